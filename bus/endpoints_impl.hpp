@@ -4,6 +4,7 @@
 
 #include "bus/directory_impl.hpp"
 #include "bus/fastdds_type.hpp"
+#include "bus/sample_stamp.hpp"
 #include "common/log.hpp"
 
 #include <fastdds/dds/publisher/DataWriter.hpp>
@@ -72,8 +73,9 @@ class DdsWriter final : public RawWriter, private dds::DataWriterListener {
             return writer_->write(&out);
         }
         eprosima::fastrtps::Time_t stamp;
-        stamp.seconds = static_cast<std::int32_t>(*source_ns / 1'000'000'000);
-        stamp.nanosec = static_cast<std::uint32_t>(*source_ns % 1'000'000'000);
+        std::int64_t const ns = stamp_of(*source_ns);
+        stamp.seconds = static_cast<std::int32_t>(ns / 1'000'000'000);
+        stamp.nanosec = static_cast<std::uint32_t>(ns % 1'000'000'000);
         return writer_->write_w_timestamp(&out, rtps::c_InstanceHandle_Unknown, stamp) == ReturnCode_t::RETCODE_OK;
     }
     void on_publication_matched(dds::DataWriter*, dds::PublicationMatchedStatus const& status) override {

@@ -10,6 +10,7 @@
 #include "bus/lockstep/wire_book.hpp"
 #include "bus/node.hpp"
 #include "bus/receiving.hpp"
+#include "bus/sample_stamp.hpp"
 #include "bus/send_together.hpp"
 #include "bus/wire_impl.hpp"
 
@@ -67,7 +68,8 @@ struct Node::Core {
             bool unexpected{false};  ///< lockstep: the scenario does not say that it writes this topic
             std::size_t stranger{0}; ///< real time: its number among those who are not of this run
         };
-        std::vector<Source> sources; ///< by SampleHeader::source; one receiving thread at a time
+        std::vector<Source> sources;     ///< by SampleHeader::source; one receiving thread at a time
+        bool undecodable_is_said{false}; ///< of a stranger's sample
     };
     std::vector<std::unique_ptr<ReaderSlot>> readers; ///< opened in start(), when the book knows all topics
 
@@ -200,6 +202,10 @@ struct Node::Core {
     [[nodiscard]] bool lockstep() const { return config.clock.mode == ClockMode::lockstep; }
     [[nodiscard]] Participant& network_of(std::string const& topic);
     [[nodiscard]] std::int64_t source_ns(SimTime at) const { return epoch_ns + base.nanoseconds(at); }
+    /// The simulated time that a sample of lockstep carries.
+    [[nodiscard]] SimTime time_of(SampleHeader const& header) const {
+        return base.from_nanoseconds(stamp_after(header.source_ns, epoch_ns));
+    }
 
     struct TickWait;
     [[nodiscard]] Result<std::optional<Tick>> next_in_lockstep(std::unique_lock<std::mutex>& lock);

@@ -114,7 +114,7 @@ bool Node::Core::clock_fits(SampleHeader const& header) {
     Rational const quantum = config.clock.quantum_s;
     SimTime const now{clock.quanta()};
     std::int64_t const in_ticks = tick_span.quanta * static_cast<std::int64_t>(clock.tick());
-    std::int64_t const off_ns = header.source_ns - source_ns(now);
+    std::int64_t const off_ns = stamp_after(header.source_ns, source_ns(now));
     std::string mismatch;
     if (quantum.num() != clock.quantum_num() || quantum.den() != clock.quantum_den()) {
         mismatch = fmt::format("counts in steps of {}/{} s, and this process in {} s", clock.quantum_num(),
@@ -285,9 +285,7 @@ void Node::Core::take_ack(std::span<std::byte const> cdr, SampleHeader const& he
                           ClockAck const& received) {
     bool const is_restated = received.next_tick_needed() == 0;
     if (ack_tap != nullptr && !is_restated) {
-        ack_tap->push(cdr,
-                      {base.from_nanoseconds(header.source_ns - epoch_ns), static_cast<std::uint32_t>(process),
-                       header.writer, header.sequence},
+        ack_tap->push(cdr, {time_of(header), static_cast<std::uint32_t>(process), header.writer, header.sequence},
                       base);
     }
     auto const& late = config.clock.late_upstream;

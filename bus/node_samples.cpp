@@ -3,10 +3,12 @@
 //
 // What a node does with samples of its topics, on the threads that receive them.
 #include "bus/node_core.hpp"
+#include "common/log.hpp"
 #include "common/text.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <utility>
 
 namespace gridspace::bus {
 
@@ -95,11 +97,19 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
     if (joining && config.incarnation > 0) {
         return; // sent before this incarnation was ready: part of the baseline
     }
-    origin.time = lockstep() ? base.from_nanoseconds(header.source_ns - epoch_ns) : time_now();
+    origin.time = lockstep() ? time_of(header) : time_now();
     if (!is_stranger && !count_sample(slot, source, header, origin.time)) {
         return;
     }
     if (!slot.inbox->push(cdr, origin, base)) {
+        if (is_stranger) {
+            if (!std::exchange(slot.undecodable_is_said, true)) {
+                log::warning("'{}': {}, which is not of this run, sends samples that cannot be decoded: another IDL? "
+                             "they are left out",
+                             slot.topic, source.name.empty() ? "a process without a name" : source.name);
+            }
+            return;
+        }
         fail_locked({ExitCode::environment,
                      fmt::format("a sample of '{}' from {} cannot be decoded", slot.topic, source.name),
                      "both sides must be built from the same IDL"});

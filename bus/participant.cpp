@@ -303,11 +303,15 @@ class FastDdsParticipant final : public Participant {
             }
         }
         if (auto const it = topics_.find(name); it != topics_.end()) {
-            if (it->second->get_type_name() != type_name) {
+            if (it->second->get_type_name() == type_name) {
+                return it->second;
+            }
+            // Nobody here may use it any longer: who had it with another type has left.
+            if (participant_->delete_topic(it->second) != ReturnCode_t::RETCODE_OK) {
                 return fail(ExitCode::usage,
                             fmt::format("topic '{}' carries {}, not {}", name, it->second->get_type_name(), type_name));
             }
-            return it->second;
+            topics_.erase(it);
         }
         dds::Topic* topic = participant_->create_topic(name, type_name, dds::TOPIC_QOS_DEFAULT);
         if (topic == nullptr) {

@@ -33,7 +33,7 @@ struct SampleHeader {
     std::uint32_t source{0};   ///< counts the writers that this reader has heard, from 0
     std::uint32_t writer{0};   ///< names the writer within its process; the same in every run
     std::uint64_t sequence{0}; ///< counts the samples of one writer, from 1
-    std::int64_t source_ns{0}; ///< when it was sent, nanoseconds since 1970; simulated time in lockstep
+    std::int64_t source_ns{0}; ///< when it was sent, nanoseconds since 1970 (stamp_of); simulated time in lockstep
 };
 
 /// Called on the receiving thread: must not block and must not write.

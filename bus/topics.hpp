@@ -10,6 +10,9 @@ namespace gridspace::bus {
 /// That fit into one sample of `signals` (MAX_SIGNALS of idl/signals.idl).
 inline constexpr std::size_t kMaxSignals = 1024;
 
+/// Of the IDL texts that others publish, who keeps them for decoding keeps these: text by text, and all together.
+inline constexpr std::size_t kLongestIdl = 256U << 10U, kMostIdl = 16U << 20U;
+
 /// Topics that always travel on the management network: the framework's own.
 [[nodiscard]] bool is_management_topic(std::string_view topic);
 

@@ -28,6 +28,12 @@ T value_of(Json const& object, char const* key, T otherwise) {
     }
 }
 
+/// A member that is a text; an empty one where there is none.
+template <class Json>
+std::string text_of(Json const& object, char const* key) {
+    return value_of(object, key, std::string{});
+}
+
 /// A member that is an object; an empty one where there is none.
 template <class Json>
 Json part_of(Json const& object, char const* key) {

@@ -6,6 +6,7 @@
 #include "common/unique_fd.hpp"
 #include "router/route_table.hpp"
 
+#include <algorithm>
 #include <catalog.h>
 #include <cerrno>
 #include <cstring>
@@ -17,7 +18,7 @@ namespace gridspace::router {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 32U << 20U; ///< octets in front of one end
-constexpr std::chrono::milliseconds kLastWords{1000};
+constexpr std::chrono::milliseconds kLastWords{1000}, kLookForThem{20};
 constexpr std::chrono::milliseconds kAddressPatience{2000}; ///< a link that was just set up
 
 } // namespace
@@ -43,8 +44,10 @@ Result<void> End::inside(std::function<Result<void>()> const& body) const {
 }
 
 Result<std::unique_ptr<End>> End::open(EndConfig const& config, std::string const& router,
-                                       std::filesystem::path const& qos_file, bus::DiscoveryObserver* observer) {
+                                       std::filesystem::path const& qos_file, bus::DiscoveryObserver* observer,
+                                       std::function<void()> freed) {
     std::unique_ptr<End> end{new End{config}};
+    end->freed_ = std::move(freed);
     bus::ParticipantOptions options;
     options.process = router;
     options.program = std::string{kProgram};
@@ -124,10 +127,14 @@ void End::carry(std::shared_ptr<Lane> const& lane, std::span<std::byte const> cd
     {
         std::lock_guard const lock{mutex_};
         waiting_octets_ += cdr.size();
-        while (waiting_octets_ > kMaxWaiting && !waiting_.empty() && !waiting_.front().last) {
-            waiting_octets_ -= waiting_.front().cdr.size();
-            ++waiting_.front().lane->dropped;
-            waiting_.pop_front();
+        for (auto oldest = waiting_.begin(); waiting_octets_ > kMaxWaiting;) {
+            oldest = std::find_if(oldest, waiting_.end(), [](Item const& item) { return !item.last; });
+            if (oldest == waiting_.end()) {
+                break;
+            }
+            waiting_octets_ -= oldest->cdr.size();
+            ++oldest->lane->total->dropped;
+            oldest = waiting_.erase(oldest);
         }
         waiting_.push_back({lane, {cdr.begin(), cdr.end()}, source_ns, false});
     }
@@ -148,9 +155,11 @@ void End::write_waiting(std::stop_token const& stop) {
         items.clear();
         {
             std::unique_lock lock{mutex_};
-            arrived_.wait(lock, stop, [&] { return !waiting_.empty(); });
-            if (waiting_.empty()) {
-                return; // asked to stop
+            auto const some = [&] { return !waiting_.empty(); };
+            if (closed_.empty()) {
+                arrived_.wait(lock, stop, some);
+            } else {
+                arrived_.wait_for(lock, stop, kLookForThem, some);
             }
             items.swap(waiting_);
             waiting_octets_ = 0;
@@ -158,14 +167,36 @@ void End::write_waiting(std::stop_token const& stop) {
         for (Item const& item : items) {
             write(item);
         }
+        bool const ends = items.empty() && stop.stop_requested();
+        give_up_closed(ends);
+        if (ends) {
+            return;
+        }
+    }
+}
+
+/// `at_once`: each is waited for as long as it has; otherwise only looked at, so that nobody else's samples wait.
+void End::give_up_closed(bool at_once) {
+    auto const now = std::chrono::steady_clock::now();
+    auto const given_up = std::erase_if(closed_, [&](Closed const& closed) {
+        auto const left = std::chrono::duration_cast<std::chrono::milliseconds>(closed.until - now);
+        bool const acknowledged = closed.lane->writer->wait_acknowledged(
+            at_once ? std::max(left, std::chrono::milliseconds{0}) : std::chrono::milliseconds{0});
+        bool const over = acknowledged || at_once || left.count() <= 0;
+        if (over) {
+            closed.lane->writer.reset();
+        }
+        return over;
+    });
+    if (given_up > 0 && !at_once) {
+        freed_();
     }
 }
 
 void End::write(Item const& item) {
     Lane& lane = *item.lane;
     if (item.last) {
-        (void)lane.writer->wait_acknowledged(kLastWords);
-        lane.writer.reset();
+        closed_.push_back({item.lane, std::chrono::steady_clock::now() + kLastWords});
         return;
     }
     bus::KeyHash hash;
@@ -173,7 +204,7 @@ void End::write(Item const& item) {
     if (lane.key) {
         auto const key = lane.key->key_of(item.cdr);
         if (!key) {
-            ++lane.refused;
+            ++lane.total->refused;
             return;
         }
         hash = bus::key_hash(*key, lane.key->is_short());
@@ -181,10 +212,10 @@ void End::write(Item const& item) {
     }
     bool const has_time = item.source_ns > 0;
     if (lane.writer->write_cdr(item.cdr, has_time ? std::optional{item.source_ns} : std::nullopt, key_hash)) {
-        ++lane.samples;
-        lane.octets += item.cdr.size();
+        ++lane.total->samples;
+        lane.total->octets += item.cdr.size();
     } else {
-        ++lane.refused;
+        ++lane.total->refused;
     }
 }
 

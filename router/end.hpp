@@ -17,24 +17,31 @@
 
 namespace gridspace::router {
 
+/// What has become of the samples of a topic that go from one end into another, however often its lane was opened.
+struct Total {
+    std::uint64_t samples{0}, octets{0}; ///< written; of the end's own thread
+    std::uint64_t refused{0};            ///< by DDS, or not of their type
+    std::atomic<std::uint64_t> dropped{0};
+};
+
 /// One topic on its way into an end.
 struct Lane {
     std::string topic;
     std::unique_ptr<bus::RawWriter> writer;
     idl::Model model; ///< of a keyed type whose IDL is known
     std::optional<idl::KeyFinder> key;
-    std::uint64_t samples{0}, octets{0}; ///< written; of the end's own thread
-    std::uint64_t refused{0};            ///< by DDS, or not of their type
-    std::atomic<std::uint64_t> dropped{0};
+    Total* total{nullptr}; ///< set before anything is carried; outlives the end
 };
 
 /// An end: its participant, and a thread that writes what is carried into it, so that nobody who receives ever waits.
 class End {
   public:
-    /// `qos_file`: profiles of the router's endpoints. `observer` must outlive the end.
+    /// `qos_file`: profiles of the router's endpoints. `observer` must outlive the end. `freed`: called from a thread
+    /// when a closed lane has been given up, so its topic may be opened with another type.
     [[nodiscard]] static Result<std::unique_ptr<End>> open(EndConfig const& config, std::string const& router,
                                                            std::filesystem::path const& qos_file,
-                                                           bus::DiscoveryObserver* observer);
+                                                           bus::DiscoveryObserver* observer,
+                                                           std::function<void()> freed);
     ~End();
 
     [[nodiscard]] Result<std::unique_ptr<bus::RawReader>> read(std::string const& topic, bus::Codec const& codec,
@@ -60,15 +67,22 @@ class End {
     explicit End(EndConfig const& config) : config_{config} {}
     [[nodiscard]] Result<void> inside(std::function<Result<void>()> const& body) const;
     void write_waiting(std::stop_token const& stop);
-    static void write(Item const& item);
+    void write(Item const& item);
+    void give_up_closed(bool at_once);
 
     EndConfig const& config_;
+    std::function<void()> freed_;
     std::unique_ptr<bus::Participant> participant_;
     std::unique_ptr<bus::RawWriter> types_;
     std::mutex mutex_; // guards the next two
     std::deque<Item> waiting_;
     std::size_t waiting_octets_{0};
     std::condition_variable_any arrived_;
+    struct Closed {
+        std::shared_ptr<Lane> lane;
+        std::chrono::steady_clock::time_point until;
+    };
+    std::vector<Closed> closed_; ///< whose last samples may not be acknowledged yet; of the end's own thread
     std::jthread thread_;
 };
 

@@ -70,7 +70,7 @@ Result<void> Router::open(std::filesystem::path const& qos_file, std::function<v
     published_.resize(config_.ends.size());
     for (std::size_t i = 0; i < config_.ends.size(); ++i) {
         watches_.push_back(std::make_unique<Watch>(*this, i));
-        auto end = End::open(config_.ends[i], config_.name, qos_file, watches_.back().get());
+        auto end = End::open(config_.ends[i], config_.name, qos_file, watches_.back().get(), wake_);
         if (!end) {
             return std::unexpected{end.error()};
         }
@@ -83,15 +83,7 @@ Result<void> Router::open(std::filesystem::path const& qos_file, std::function<v
                                              TypeCatalogEntry entry;
                                              if (bus::codec_of<TypeCatalogEntry>().decode(cdr, &entry)) {
                                                  std::lock_guard const lock{mutex_};
-                                                 if (idl_.size() >= kMaxTypes) {
-                                                     if (!std::exchange(types_are_full_, true)) {
-                                                         log::warning("the IDL of {} types is kept; of more it is not",
-                                                                      kMaxTypes);
-                                                     }
-                                                     return;
-                                                 }
-                                                 idl_.emplace(entry.type_name().c_str(), entry.idl());
-                                                 wake_();
+                                                 keep_type(entry.type_name().c_str(), entry.idl());
                                              }
                                          });
         if (!reader) {
@@ -100,6 +92,22 @@ Result<void> Router::open(std::filesystem::path const& qos_file, std::function<v
         type_readers_.push_back(std::move(*reader));
     }
     return {};
+}
+
+void Router::keep_type(std::string const& type, std::string const& idl) {
+    if (idl_.contains(type)) {
+        return;
+    }
+    bool const fits =
+        idl_.size() < kMaxTypes && idl.size() <= bus::kLongestIdl && idl_octets_ + idl.size() <= bus::kMostIdl;
+    if (fits) {
+        idl_octets_ += idl.size();
+        idl_.emplace(type, idl);
+        wake_();
+    } else if (!std::exchange(types_are_full_, true)) {
+        log::warning("the IDL of {} types is kept, {} octets; that of others is not: '{}' has {} octets", idl_.size(),
+                     idl_octets_, type, idl.size());
+    }
 }
 
 std::string Router::idl_of(std::string const& type) {
@@ -185,6 +193,7 @@ void Router::open_route(Route route) {
             refuse(lane.error());
             return;
         }
+        (*lane)->total = &totals_[{r.topic, r.from, to}];
         carried->lanes.emplace_back(to, std::move(*lane));
     }
     End* const from = ends_[r.from].get();
@@ -203,9 +212,6 @@ void Router::open_route(Route route) {
         return;
     }
     carried->reader = std::move(*reader);
-    for (auto const& [to, lane] : carried->lanes) {
-        totals_.push_back({r.topic, config_.ends[r.from].name.name, config_.ends[to].name.name, lane});
-    }
     reporter_.carries(r, config_, true);
     carried_.push_back(std::move(carried));
 }
@@ -239,9 +245,10 @@ void Router::close() {
     carried_.clear();
     type_readers_.clear();
     ends_.clear(); // writes what waits; discovery ends before the watches go
-    for (Total const& total : totals_) {
-        reporter_.total(total.topic, total.from, total.to, total.lane->samples, total.lane->octets, total.lane->refused,
-                        total.lane->dropped);
+    for (auto const& [way, total] : totals_) {
+        auto const& [topic, from, to] = way;
+        reporter_.total(topic, config_.ends[from].name.name, config_.ends[to].name.name, total.samples, total.octets,
+                        total.refused, total.dropped);
     }
     totals_.clear();
     watches_.clear();

@@ -5,7 +5,9 @@
 #include "router/end.hpp"
 #include "router/route_table.hpp"
 
+#include <map>
 #include <set>
+#include <tuple>
 
 namespace gridspace::router {
 
@@ -46,6 +48,7 @@ class Router {
     void close_route(Carried& carried);
     void listen_for_types(std::size_t end);
     void publish_types();
+    void keep_type(std::string const& type, std::string const& idl); ///< mutex held
     [[nodiscard]] std::string idl_of(std::string const& type);
 
     RouterConfig const& config_;
@@ -54,6 +57,7 @@ class Router {
     std::mutex mutex_; // guards the next three
     RouteTable table_;
     std::map<std::string, std::string> idl_;     ///< by type, as heard
+    std::size_t idl_octets_{0};                  ///< of all of them
     bool types_are_full_{false};                 ///< has been said
     std::vector<std::function<void()>> reports_; ///< of threads of DDS, to be made by update()
 
@@ -61,13 +65,9 @@ class Router {
     std::vector<std::unique_ptr<End>> ends_;
     std::vector<std::unique_ptr<bus::RawReader>> type_readers_;
     std::vector<std::unique_ptr<Carried>> carried_;
-    std::vector<std::set<std::string>> published_; ///< types, by end
-    std::set<std::string> refused_;                ///< routes that DDS refused, said once
-    struct Total {
-        std::string topic, from, to;
-        std::shared_ptr<Lane> lane;
-    };
-    std::vector<Total> totals_;
+    std::vector<std::set<std::string>> published_;                              ///< types, by end
+    std::set<std::string> refused_;                                             ///< routes that DDS refused, said once
+    std::map<std::tuple<std::string, std::size_t, std::size_t>, Total> totals_; ///< of topic, from, to
 };
 
 } // namespace gridspace::router

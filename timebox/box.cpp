@@ -137,13 +137,14 @@ void Box::arrives(std::int64_t at_ns, std::span<std::byte const> frame) {
     if (IpSockets* const ip = impl_->table.ip()) {
         ip->arrives(at_ns, {octets, frame.size()});
     }
-    if (PacketSockets* const packets = impl_->table.packets()) {
+    // Nobody takes what comes for a program that has ended.
+    if (PacketSockets* const packets = impl_->table.packets(); packets != nullptr && impl_->main_alive) {
         packets->arrives(packet_frame(at_ns, {octets, octets + frame.size()}, packets->link().mac, false));
     }
 }
 
 void Box::hand(std::int64_t at_ns, std::vector<std::byte> message) {
-    if (impl_->channel) {
+    if (impl_->channel && impl_->main_alive) {
         impl_->channel->hand(at_ns, std::move(message));
     }
 }

@@ -170,7 +170,8 @@ CallTable::Next CallTable::look_at_descriptors(Thread& t) {
         packets_->look_at_rings();
     }
     if (wait.timeout_ns == 0) {
-        clock_.look(); // who looks again and again gets on
+        clock_.look(); // who looks again and again gets on, and lets others do so
+        ++report_.clock_reads;
         return Next::go;
     }
     if (std::int64_t const found = descriptors(t.process).look(t.tid, t.call, false); found != 0) {
@@ -198,7 +199,9 @@ CallTable::Next CallTable::transfer(Thread& t, short event) {
     if (event == POLLIN && read_random(t, file)) {
         return Next::go;
     }
-    if (!waits || is_ready(file, event)) {
+    bool const is_there = is_ready(file, event);
+    if (!waits || is_there) {
+        report_.clock_reads += is_there ? 0 : 1; // as with a clock: who looks again and again lets others get on
         return Next::go;
     }
     t.interests = {{fd, event}};
@@ -314,6 +317,17 @@ CallTable::Next CallTable::leave(Thread& t) {
     return Next::go;
 }
 
+/// nanosleep(2): an interrupted call says what is left, and most programs sleep on for that.
+void CallTable::tell_rest_of_sleep(Thread const& t) {
+    auto const& a = t.call.arguments;
+    bool const on_a_clock = t.call.number == SYS_clock_nanosleep;
+    bool const absolute = on_a_clock && (a[1] & TIMER_ABSTIME) != 0;
+    std::uint64_t const rest_at = on_a_clock ? a[3] : a[1];
+    if (t.what->treatment == Treatment::sleep && !absolute && rest_at != 0 && t.deadline_ns) {
+        put(t.tid, rest_at, to_timespec(std::max<std::int64_t>(*t.deadline_ns - clock_.now_ns(), 0)));
+    }
+}
+
 CallTable::Next CallTable::release(Thread& t) {
     bool const over = t.deadline_ns && *t.deadline_ns <= clock_.now_ns();
     if (t.made_again) { // it stands before its call: it comes to enter() once more
@@ -322,6 +336,7 @@ CallTable::Next CallTable::release(Thread& t) {
     }
     if (t.interrupted) {
         futexes_.leave(t.tid);
+        tell_rest_of_sleep(t);
         bool const has_mask_of_its_own = t.what->treatment == Treatment::descriptors && t.signal_mask_at != 0;
         if (t.what->treatment != Treatment::signal && !has_mask_of_its_own) {
             answer(t.tid, -EINTR);

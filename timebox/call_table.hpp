@@ -64,6 +64,7 @@ class CallTable {
     Next answer_clock(Thread& t);
     Next hold_until(Thread& t, std::optional<std::int64_t> deadline_ns);
     Next sleep(Thread& t);
+    void tell_rest_of_sleep(Thread const& t);
     Next look_at_descriptors(Thread& t);
     Next transfer(Thread& t, short event);
     [[nodiscard]] std::vector<std::uint8_t> draw(std::size_t octets); ///< at most a mebioctet

@@ -62,7 +62,7 @@ DescriptorWait wait_of(pid_t tid, Call const& call) {
         out.signal_mask_at = call.number == SYS_pselect6 && a[5] != 0 ? value_at<std::uint64_t>(tid, a[5]) : 0;
         if (a[4] != 0 && call.number == SYS_select) {
             auto const t = value_at<timeval>(tid, a[4]);
-            out.timeout_ns = static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_usec * 1000;
+            out.timeout_ns = to_ns(t);
         } else {
             out.timeout_ns = in_timespec(tid, a[4]);
         }
@@ -258,7 +258,7 @@ std::optional<std::int64_t> timeout_ns(UniqueFd const& file, int option) {
     if (!file || ::getsockopt(file.get(), SOL_SOCKET, option, &t, &size) != 0 || (t.tv_sec == 0 && t.tv_usec == 0)) {
         return std::nullopt;
     }
-    return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_usec * 1000;
+    return to_ns(t);
 }
 
 } // namespace gridspace::timebox

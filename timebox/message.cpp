@@ -95,12 +95,17 @@ std::size_t room_of(Message const& message) {
 }
 
 bool gather(pid_t tid, Message const& message, std::vector<std::uint8_t>& out) {
+    std::uint64_t left = kMostOctets;
     for (iovec const& part : message.parts) {
-        std::size_t const before = out.size(), octets = std::min<std::uint64_t>(part.iov_len, kMostOctets);
+        std::size_t const before = out.size(), octets = std::min<std::uint64_t>(part.iov_len, left);
+        left -= octets;
         out.resize(before + octets);
         if (octets > 0 &&
             !read_memory(tid, reinterpret_cast<std::uint64_t>(part.iov_base), out.data() + before, octets)) {
             return false;
+        }
+        if (octets < part.iov_len) {
+            break; // what comes behind is not next to what was cut here
         }
     }
     return true;

@@ -54,8 +54,7 @@ void CallTable::remember_receive_timeout(Thread const& t) {
     auto const value = value_at<timeval>(t.tid, a[3]);
     if (std::uint64_t const inode = socket_inode_of(descriptors(t.process).copy_of(static_cast<int>(a[0])));
         inode != 0) {
-        receive_timeouts_[inode] =
-            static_cast<std::int64_t>(value.tv_sec) * 1'000'000'000 + static_cast<std::int64_t>(value.tv_usec) * 1000;
+        receive_timeouts_[inode] = timebox::to_ns(value);
     }
 }
 

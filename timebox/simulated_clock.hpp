@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <ctime>
+#include <sys/time.h>
 
 namespace gridspace::timebox {
 
@@ -39,8 +40,16 @@ class SimulatedClock {
 [[nodiscard]] inline timespec to_timespec(std::int64_t ns) {
     return {ns / 1'000'000'000, ns % 1'000'000'000};
 }
+/// Longer than a time may be: "for ever". As the kernel does, so that no sum overflows.
+inline constexpr std::int64_t kLongestNs = INT64_MAX / 2;
+[[nodiscard]] inline std::int64_t to_ns(std::int64_t seconds, std::int64_t ns) {
+    return seconds >= kLongestNs / 1'000'000'000 ? kLongestNs : seconds * 1'000'000'000 + ns;
+}
 [[nodiscard]] inline std::int64_t to_ns(timespec const& t) {
-    return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
+    return to_ns(t.tv_sec, t.tv_nsec);
+}
+[[nodiscard]] inline std::int64_t to_ns(timeval const& t) {
+    return to_ns(t.tv_sec, std::int64_t{t.tv_usec} * 1000);
 }
 
 } // namespace gridspace::timebox

@@ -11,9 +11,6 @@
 namespace gridspace::timebox {
 namespace {
 
-std::int64_t to_ns(timeval const& t) {
-    return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_usec * 1000;
-}
 timeval to_timeval(std::int64_t ns) {
     return {ns / 1'000'000'000, ns % 1'000'000'000 / 1000};
 }

@@ -25,12 +25,28 @@ void put(Bytes& to, std::span<std::uint8_t const> octets) {
 
 } // namespace
 
+void Fragments::account(Sample const& sample, bool more) {
+    std::size_t const octets = sample.octets.size();
+    Held& held = held_[sample.sender];
+    held.samples += more ? 1 : -std::size_t{1};
+    held.octets += more ? octets : -octets;
+    octets_ += more ? octets : -octets;
+    if (held.samples == 0) {
+        held_.erase(sample.sender);
+    }
+}
+
 void Fragments::forget(Samples::iterator sample) {
-    octets_ -= sample->octets.size();
+    account(*sample, false);
     waiting_.erase(sample);
 }
 
-void Fragments::make_room(GuidPrefix const& source, std::size_t octets, std::int64_t now_ns) {
+void Fragments::forget_silent(std::int64_t now_ns) {
+    constexpr std::int64_t kLookEveryNs = 1'000'000'000;
+    if (looked_ns_ != INT64_MIN && now_ns - looked_ns_ < kLookEveryNs) {
+        return; // each new sample would look at all
+    }
+    looked_ns_ = now_ns;
     for (auto it = waiting_.begin(); it != waiting_.end();) {
         auto const next = std::next(it);
         if (now_ns - it->heard_ns > kForgottenAfterNs) {
@@ -38,31 +54,31 @@ void Fragments::make_room(GuidPrefix const& source, std::size_t octets, std::int
         }
         it = next;
     }
-    std::map<GuidPrefix, std::pair<std::size_t, std::size_t>> held; // samples, octets
-    for (Sample const& sample : waiting_) {
-        auto& [count, sum] = held[sample.name.source];
-        ++count;
-        sum += sample.octets.size();
-    }
-    auto const oldest_of = [&](GuidPrefix const& who) {
-        return std::ranges::find_if(waiting_, [&](Sample const& s) { return s.name.source == who; });
-    };
+}
+
+void Fragments::make_room(GuidPrefix const& sender, std::size_t octets) {
     auto const drop_oldest_of = [&](GuidPrefix const& who) {
-        auto const it = oldest_of(who);
-        --held[who].first;
-        held[who].second -= it->octets.size();
-        forget(it);
+        forget(std::ranges::find(waiting_, who, &Sample::sender));
     };
-    while (held[source].first >= kMaxSamplesOfOne || held[source].second + octets > kMaxOctetsOfOne) {
-        drop_oldest_of(source);
+    for (auto it = held_.find(sender);
+         it != held_.end() && (it->second.samples >= kMaxSamplesOfOne || it->second.octets + octets > kMaxOctetsOfOne);
+         it = held_.find(sender)) {
+        drop_oldest_of(sender);
     }
-    while (octets_ + octets > kMaxOctets) { // who holds most makes room
-        drop_oldest_of(
-            std::ranges::max_element(held, {}, [](auto const& entry) { return entry.second.second; })->first);
+    auto const most = [&](std::size_t Held::* what) { // who holds most makes room
+        return GuidPrefix{
+            std::ranges::max_element(held_, {}, [&](auto const& entry) { return entry.second.*what; })->first};
+    };
+    while (octets_ + octets > kMaxOctets && !waiting_.empty()) {
+        drop_oldest_of(most(&Held::octets));
+    }
+    while (waiting_.size() >= kMaxSamples) {
+        drop_oldest_of(most(&Held::samples));
     }
 }
 
-Fragments::Samples Fragments::take(GuidPrefix const& source, std::uint8_t flags, Octets body, std::int64_t now_ns) {
+Fragments::Samples Fragments::take(GuidPrefix const& sender, GuidPrefix const& source, std::uint8_t flags, Octets body,
+                                   std::int64_t now_ns) {
     body.skip(2);
     std::size_t const to_qos = body.u16(), counted_from = body.at();
     Name name{source, body.entity(), body.entity(), 0};
@@ -79,12 +95,13 @@ Fragments::Samples Fragments::take(GuidPrefix const& source, std::uint8_t flags,
         return {}; // another opinion of the same sample: the first one counts
     }
     if (it == waiting_.end()) {
-        make_room(source, whole, now_ns);
+        forget_silent(now_ns);
+        make_room(sender, whole);
         std::uint32_t const fragments = (whole + size - 1) / size;
         it = waiting_.insert(
             waiting_.end(),
-            {name, size, fragments, std::vector<bool>(fragments), Bytes(whole), {}, body.little(), now_ns});
-        octets_ += whole;
+            {name, sender, size, fragments, std::vector<bool>(fragments), Bytes(whole), {}, body.little(), now_ns});
+        account(*it, true);
     }
     it->heard_ns = now_ns;
     if (first == 0) {
@@ -100,7 +117,7 @@ Fragments::Samples Fragments::take(GuidPrefix const& source, std::uint8_t flags,
     }
     Samples out;
     if (it->missing == 0) {
-        octets_ -= whole;
+        account(*it, false);
         out.splice(out.end(), waiting_, it);
     }
     return out;
@@ -110,7 +127,8 @@ std::vector<Bytes> Fragments::take(std::span<std::uint8_t> datagram, std::int64_
     Bytes const header{datagram.begin(), datagram.begin() + kHeader};
     Octets prefix{datagram};
     prefix.skip(8);
-    GuidPrefix source = prefix.prefix();
+    GuidPrefix const sender = prefix.prefix();
+    GuidPrefix source = sender;            // until an INFO_SRC says otherwise
     std::map<std::uint8_t, Bytes> context; // what holds for all that follows in the message, by kind
     auto const begun = [&] {
         Bytes out = header;
@@ -134,7 +152,7 @@ std::vector<Bytes> Fragments::take(std::span<std::uint8_t> datagram, std::int64_
         Submessage const s = *next_submessage(rest); // examine() has seen that there is one
         auto const octets = all.first(all.size() - rest.left());
         if (s.kind == kDataFrag) {
-            for (Sample const& whole : take(source, s.flags, s.body, now_ns)) {
+            for (Sample const& whole : take(sender, source, s.flags, s.body, now_ns)) {
                 end_between();
                 Bytes message = begun();
                 message.push_back(kData);

@@ -389,23 +389,12 @@ class NodeFields final : public Fields {
     }
 
     std::optional<std::int64_t> read_integer(std::string_view key, Node const& node, NumberSpec const& spec) {
-        std::int64_t v = 0;
-        bool ok = node.is_scalar() && !node.quoted;
-        if (ok) {
-            std::string_view digits = node.text;
-            int base = 10;
-            if (digits.starts_with("0x") || digits.starts_with("0X")) {
-                digits.remove_prefix(2);
-                base = 16;
-            }
-            auto const [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v, base);
-            ok = error == std::errc{} && end == digits.data() + digits.size();
-        }
-        if (!ok) {
+        std::optional<std::int64_t> const v = integer_of(node);
+        if (!v) {
             wrong(key, node, expected_number(key, "a whole number", spec));
             return std::nullopt;
         }
-        if (!in_bounds(static_cast<double>(v), spec)) {
+        if (!in_bounds(static_cast<double>(*v), spec)) {
             out_of_range(key, node, spec);
             return std::nullopt;
         }
@@ -474,6 +463,21 @@ std::string_view unit_of_key(std::string_view key) {
         }
     }
     return {};
+}
+
+std::optional<std::int64_t> integer_of(Node const& node) {
+    if (!node.is_scalar() || node.quoted) {
+        return std::nullopt;
+    }
+    std::string_view digits = node.text;
+    int base = 10;
+    if (digits.starts_with("0x") || digits.starts_with("0X")) {
+        digits.remove_prefix(2);
+        base = 16;
+    }
+    std::int64_t v = 0;
+    auto const [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v, base);
+    return error == std::errc{} && end == digits.data() + digits.size() ? std::optional{v} : std::nullopt;
 }
 
 std::optional<double> number_of(Node const& node) {

@@ -117,5 +117,7 @@ void read_fields(Node const& node, std::string const& path, Diagnostics& diagnos
 
 /// Reads the text of a scalar as a number: decimal, or an exact fraction like 1/48000. Nothing for anything else.
 [[nodiscard]] std::optional<double> number_of(Node const& node);
+/// The same as a whole number: decimal, or hexadecimal behind 0x.
+[[nodiscard]] std::optional<std::int64_t> integer_of(Node const& node);
 
 } // namespace gridspace::config

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <fmt/format.h>
 #include <optional>
 
 namespace gridspace::idl {
@@ -14,25 +15,33 @@ namespace {
 
 constexpr std::size_t kHashOctets = 16;
 constexpr int kMaxKeyDepth = 16; ///< of structs in a key; a type that contains itself has no bounded key
+/// Members looked at, one in another, to find a key: half a kilobyte of IDL describes one of 4^16 members.
+constexpr int kMaxKeySteps = 512;
 
 bool has_key(Type const& type) {
     return std::any_of(type.members.begin(), type.members.end(), [](Type::Member const& m) { return m.key; });
 }
 
-/// A nested struct without keys of its own is a key as a whole.
-void key_members(Model const& model, std::size_t index, std::string const& prefix, int depth,
+/// A nested struct without keys of its own is a key as a whole. False: `steps` were too few.
+bool key_members(Model const& model, std::size_t index, std::string const& prefix, int depth, int& steps,
                  std::vector<std::string>& out) {
     for (Type::Member const& member : model.types[index].members) {
         if (!member.key) {
             continue;
         }
+        if (--steps < 0) {
+            return false;
+        }
         Type const& type = model.types[member.type];
         if (type.kind == Kind::structure && has_key(type) && depth < kMaxKeyDepth) {
-            key_members(model, member.type, prefix + member.name + ".", depth + 1, out);
+            if (!key_members(model, member.type, prefix + member.name + ".", depth + 1, steps, out)) {
+                return false;
+            }
         } else {
             out.push_back(prefix + member.name);
         }
     }
+    return true;
 }
 
 std::size_t octets_of(Type const& type) {
@@ -56,9 +65,13 @@ std::size_t octets_of(Type const& type) {
     }
 }
 
-/// Where the longest value ends that starts at `at`; nothing when that is beyond a hash. `only_keys`: of a struct.
-std::optional<std::size_t> longest_end(Model const& model, std::size_t index, std::size_t at, bool only_keys,
-                                       int depth) {
+/// Where the longest value ends that starts at `at`; nothing when that is beyond a hash, or `steps` were too few.
+/// `only_keys`: of a struct.
+std::optional<std::size_t> longest_end(Model const& model, std::size_t index, std::size_t at, bool only_keys, int depth,
+                                       int& steps) {
+    if (--steps < 0) {
+        return std::nullopt;
+    }
     Type const& type = model.types[index];
     std::optional<std::size_t> end = at;
     switch (type.kind) {
@@ -68,7 +81,7 @@ std::optional<std::size_t> longest_end(Model const& model, std::size_t index, st
                 continue;
             }
             if (end && depth < kMaxKeyDepth) {
-                end = longest_end(model, member.type, *end, has_key(model.types[member.type]), depth + 1);
+                end = longest_end(model, member.type, *end, has_key(model.types[member.type]), depth + 1, steps);
             } else {
                 return std::nullopt;
             }
@@ -82,7 +95,8 @@ std::optional<std::size_t> longest_end(Model const& model, std::size_t index, st
         end = type.kind == Kind::sequence ? aligned(at, 4) + 4 : at;
         for (std::uint32_t i = 0; i < type.bound && end; ++i) {
             std::size_t const before = *end;
-            end = depth < kMaxKeyDepth ? longest_end(model, type.element, before, false, depth + 1) : std::nullopt;
+            end =
+                depth < kMaxKeyDepth ? longest_end(model, type.element, before, false, depth + 1, steps) : std::nullopt;
             if (end == before) {
                 break; // elements without content
             }
@@ -146,8 +160,13 @@ struct KeyWriter final : Visitor {
 } // namespace
 
 KeyFinder::KeyFinder(Model const& model, std::size_t type) : model_{model}, type_{type} {
-    key_members(model, type, "", 0, members_);
-    is_short_ = longest_end(model, type, 0, true, 0).has_value();
+    int steps = kMaxKeySteps;
+    is_known_ = key_members(model, type, "", 0, steps, members_);
+    if (!is_known_) {
+        members_.clear();
+    }
+    steps = kMaxKeySteps;
+    is_short_ = is_known_ && longest_end(model, type, 0, true, 0, steps).has_value();
 }
 
 bool KeyFinder::covers(std::string_view path) const {
@@ -158,6 +177,10 @@ bool KeyFinder::covers(std::string_view path) const {
 }
 
 Result<std::vector<std::byte>> KeyFinder::key_of(std::span<std::byte const> cdr) const {
+    if (!is_known_) {
+        return fail(ExitCode::usage, fmt::format("the key of type '{}' has too many members (more than {})",
+                                                 model_.types[type_].name, kMaxKeySteps));
+    }
     KeyWriter writer{*this};
     if (auto ok = visit(model_, type_, cdr, writer); !ok) {
         return std::unexpected{ok.error()};

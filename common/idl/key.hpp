@@ -19,7 +19,7 @@ class KeyFinder {
     KeyFinder(Model const& model, std::size_t type);
 
     /// The members of the key in big-endian CDR without a header, as DDS hashes them (DDSI-RTPS 9.6.3.8). Fails when
-    /// the sample is not of the type.
+    /// the sample is not of the type, or the key has hundreds of members: then nothing is said to belong to it.
     [[nodiscard]] Result<std::vector<std::byte>> key_of(std::span<std::byte const> cdr) const;
     /// Whether every key of the type fits into 16 octets: it then is the hash as it is; others by MD5.
     [[nodiscard]] bool is_short() const { return is_short_; }
@@ -30,7 +30,7 @@ class KeyFinder {
     Model const& model_;
     std::size_t type_;
     std::vector<std::string> members_; ///< paths of the key's members ("bus", "pos.x")
-    bool is_short_{false};
+    bool is_known_{false}, is_short_{false};
 };
 
 } // namespace gridspace::idl

@@ -198,7 +198,8 @@ struct BumpInTheWire::Impl {
     }
 
     void receive(Side& side) {
-        for (std::size_t n = 0; (n = side.port->receive(batch)) > 0;) {
+        for (std::size_t n = 0, times = 0; times < ethernet::kMostBatches && (n = side.port->receive(batch)) > 0;
+             ++times) {
             for (std::size_t i = 0; i < n; ++i) {
                 ethernet::ReceivedFrame const& frame = batch[i];
                 std::uint16_t const channel = ethernet::channel_of(frame.octets);

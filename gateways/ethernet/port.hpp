@@ -46,6 +46,8 @@ struct PortCounters {
         0}; ///< on the interface since it was opened, and not asked for; as of the last Port::foreign()
 };
 
+inline constexpr std::size_t kMostBatches = 64; ///< calls of Port::receive() in a row
+
 /// Raw Ethernet frames of one interface (AF_PACKET). Not one frame is lost at the start: filter, memberships and
 /// buffers are in place before the socket is bound. One thread at a time. Needs CAP_NET_RAW and nothing else.
 class Port {
@@ -58,7 +60,8 @@ class Port {
 
     /// For poll(2), to read. Changes when the port reconnects; -1 while the interface is missing.
     [[nodiscard]] int fd() const noexcept;
-    /// Fetches what has arrived, at most out.size() frames, and never waits. Octets are valid until the next call.
+    /// Fetches what has arrived, at most out.size() frames, and never waits. Octets are valid until the next call. Who
+    /// has more to do calls it at most kMostBatches times in a row: frames may come as fast as they are handled.
     [[nodiscard]] std::size_t receive(std::span<ReceivedFrame> out) noexcept;
     /// Waits until something has arrived or the time is over; true: something may have arrived.
     bool wait(std::int64_t timeout_ns) const noexcept;

@@ -106,7 +106,8 @@ void describe_mapping(Fields& f, MappingConfig& m) {
     f.number("lost_after_ms", m.lost_after_ms,
              {.doc = "the topic is lost when it was silent for so long; 0: never", .min = 0});
     f.choice<Start>("start", m.start, {{"first_sample", Start::first_sample}, {"at_once", Start::at_once}},
-                    {.doc = "a stream is sent from the first sample on, or at once with constants and zeros"});
+                    {.doc = "a stream is sent from the first sample on (the default with `from`), or at once with "
+                            "constants and zeros (the default without)"});
     f.choice<Sending>(
         "sending", m.sending, {{"scheduled", Sending::scheduled}, {"on_arrival", Sending::on_arrival}},
         {.doc = "real time, with `index`: at the exact sample rate behind a small buffer, or as soon as samples come"});

@@ -54,7 +54,8 @@ void describe(config::Fields& f, LinkConfig& config) {
         {{"from_host", Direction::from_host}, {"to_host", Direction::to_host}, {"both", Direction::both}},
         {.doc = "frames that the host sends, those that it receives, or both"});
     f.references("only", config.streams,
-                 {.doc = "streams that are impaired; all frames of SMV and GOOSE when left out"});
+                 {.doc = "streams that are impaired; when left out all frames of SMV and GOOSE, and IP of programs "
+                         "in simulated time"});
     describe_impairments(f, config.impairments);
     f.map(
         "samples", {.doc = "what happens to single samples of an SMV stream"},

@@ -91,7 +91,7 @@ void Attachment::drain() {
         return;
     }
     std::lock_guard const lock{receiving_};
-    while (true) {
+    for (std::size_t times = 0; times < ethernet::kMostBatches; ++times) {
         std::int64_t const looked_ns = ArrivalClock::steady_ns();
         std::size_t const n = receiver_->receive(batch_);
         if (n == 0) {

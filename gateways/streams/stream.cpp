@@ -149,7 +149,8 @@ void describe_address(Fields& f, Stream& stream) {
     }
     std::int64_t app_id = stream.kind == Kind::smv ? 0x4000 : 0x0001, vlan_id = 0, vlan_priority = 4;
     bool tagged = true;
-    f.integer("app_id", app_id, {.doc = "APPID", .min = 0, .max = 0xFFFF});
+    f.integer("app_id", app_id,
+              {.doc = "APPID; 0x4000 for smv and 0x0001 for goose when not given", .min = 0, .max = 0xFFFF});
     f.flag("vlan", tagged, {.doc = "frames carry a 802.1Q tag"});
     f.integer("vlan_id", vlan_id, {.doc = "VLAN; 0: only a priority", .min = 0, .max = 4094});
     f.integer("vlan_priority", vlan_priority, {.doc = "priority of the tag", .min = 0, .max = 7});
@@ -162,7 +163,7 @@ void describe_address(Fields& f, Stream& stream) {
 }
 
 void describe_sampled_values(Fields& f, Stream& s) {
-    f.text("sv_id", s.sv_id, {.doc = "svID", .required = true});
+    f.text("sv_id", s.sv_id, {.doc = "of smv: svID", .required = true});
     f.fraction("rate_hz", s.rate_hz, {.doc = "samples per second", .above = 0});
     f.integer("samples_per_frame", s.samples_per_frame,
               {.doc = "consecutive samples (ASDUs) in a frame", .min = 1, .max = 16});
@@ -211,7 +212,7 @@ void check_control_block(Fields& f, std::string const& reference) {
 void describe_goose(Fields& f, Stream& s) {
     using Form = iec61850::IntegerForm;
     GooseTiming& t = s.timing;
-    f.text("control_block", s.control_block, {.doc = "gocbRef: LD/LLN0$GO$name", .required = true});
+    f.text("control_block", s.control_block, {.doc = "of goose: gocbRef, LD/LLN0$GO$name", .required = true});
     check_control_block(f, s.control_block);
     f.text("go_id", s.go_id, {.doc = "goID; not sent when not given"});
     f.number("min_time_ms", t.min_time_ms, {.doc = "from a change to the first repetition", .above = 0});

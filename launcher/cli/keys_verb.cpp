@@ -56,7 +56,7 @@ int init(KeysArguments const& a) {
     if (!made) {
         return print_error(made.error());
     }
-    fmt::print("{}: two authorities and {} identities, valid until {}\n", a.folder.string(),
+    fmt::print("{}: two authorities, and {} identities that are valid until {}\n", a.folder.string(),
                a.names.empty() ? roles().size() : a.names.size(), format_utc(valid->until_unix_s));
     fmt::print("in a scenario: security: {{keys: {}}}\n", a.folder.string());
     return 0;
@@ -89,10 +89,9 @@ int issue(KeysArguments const& a) {
 
 int revoke(KeysArguments const& a) {
     return with_folder(a, [&](KeyFolder const& folder, crypto::Validity) -> Result<void> {
-        constexpr std::int64_t kYears = 20LL * 365 * 24 * 3600; // a list that runs out would refuse everybody
         std::int64_t const now = std::time(nullptr);
         for (std::string const& name : a.names) {
-            if (auto ok = folder.revoke(name, {now - 24 * 3600, now + kYears}); !ok) {
+            if (auto ok = folder.revoke(name, {now - 24 * 3600, now + launcher::kTwentyYears}); !ok) {
                 return ok;
             }
             fmt::print("{}: revoked; `gridspace keys issue {} {}` makes a new one\n", name, a.folder.string(), name);

@@ -55,7 +55,7 @@ std::optional<nlohmann::ordered_json> kept_machine_latency() {
     fs::path const folder = cache_folder();
     std::ifstream stream{folder / "latency.json"};
     auto kept = nlohmann::ordered_json::parse(stream, nullptr, false);
-    if (folder.empty() || !kept.is_object() || value_of(kept, "machine", std::string{}) != this_machine()) {
+    if (folder.empty() || !kept.is_object() || text_of(kept, "machine") != this_machine()) {
         return std::nullopt;
     }
     kept.erase("machine");
@@ -63,11 +63,11 @@ std::optional<nlohmann::ordered_json> kept_machine_latency() {
 }
 
 std::optional<MachineLatency> machine_latency_of(nlohmann::ordered_json const& kept) {
-    MachineLatency out{value_of(kept, "measured", std::string{}), value_of(kept, "load", std::string{}), {}};
+    MachineLatency out{text_of(kept, "measured"), text_of(kept, "load"), {}};
     nlohmann::ordered_json const ways = value_of(kept, "ways", nlohmann::ordered_json::array());
     for (auto const& way : ways.is_array() ? ways : nlohmann::ordered_json::array()) {
         if (auto const lateness = lateness_of(way)) {
-            out.ways.push_back({value_of(way, "name", std::string{}), *lateness});
+            out.ways.push_back({text_of(way, "name"), *lateness});
         }
     }
     return out.ways.empty() ? std::nullopt : std::optional{out};

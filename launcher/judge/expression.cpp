@@ -78,17 +78,25 @@ class Parser {
     std::vector<std::string> signals;
 
   private:
+    /// Without a copy of what is below: lists of initializers copy.
+    static Node of_two(Kind kind, Node&& left, Node&& right) {
+        Node out{kind, 0, 0, "", {}};
+        out.children.reserve(2);
+        out.children.push_back(std::move(left));
+        out.children.push_back(std::move(right));
+        return out;
+    }
     Node disjunction() {
         Node left = conjunction();
         while (accept("or")) {
-            left = Node{Kind::logical_or, 0, 0, "", {std::move(left), conjunction()}};
+            left = of_two(Kind::logical_or, std::move(left), conjunction());
         }
         return left;
     }
     Node conjunction() {
         Node left = negation();
         while (accept("and")) {
-            left = Node{Kind::logical_and, 0, 0, "", {std::move(left), negation()}};
+            left = of_two(Kind::logical_and, std::move(left), negation());
         }
         return left;
     }
@@ -108,7 +116,7 @@ class Parser {
                                                                                   {"<", Kind::less}}};
         for (auto const& [sign, kind] : kSigns) {
             if (accept(sign)) {
-                return Node{kind, 0, 0, "", {std::move(left), sum()}};
+                return of_two(kind, std::move(left), sum());
             }
         }
         if (accept("in")) {
@@ -125,9 +133,9 @@ class Parser {
         Node left = product();
         while (true) {
             if (accept("+")) {
-                left = Node{Kind::add, 0, 0, "", {std::move(left), product()}};
+                left = of_two(Kind::add, std::move(left), product());
             } else if (accept("-")) {
-                left = Node{Kind::subtract, 0, 0, "", {std::move(left), product()}};
+                left = of_two(Kind::subtract, std::move(left), product());
             } else {
                 return left;
             }
@@ -137,9 +145,9 @@ class Parser {
         Node left = unary();
         while (true) {
             if (accept("*")) {
-                left = Node{Kind::multiply, 0, 0, "", {std::move(left), unary()}};
+                left = of_two(Kind::multiply, std::move(left), unary());
             } else if (accept("/")) {
-                left = Node{Kind::divide, 0, 0, "", {std::move(left), unary()}};
+                left = of_two(Kind::divide, std::move(left), unary());
             } else {
                 return left;
             }
@@ -227,6 +235,9 @@ class Parser {
         if (at_ == text_.size()) {
             return;
         }
+        if (++words_ > kMostWords) { // each may be a level of the tree
+            throw Mistake{fmt::format("it has more than {} words and signs", kMostWords)};
+        }
         auto const is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
         auto const in_name = [](char c) {
             return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '*' || c == '?';
@@ -250,10 +261,10 @@ class Parser {
         token_.text = text_.substr(start, at_ - start);
     }
 
-    static constexpr int kDeepest = 100;
+    static constexpr int kDeepest = 100, kMostWords = 2000;
     std::string_view text_;
     std::size_t at_{0};
-    int depth_{0};
+    int depth_{0}, words_{0};
     Token token_;
 };
 
@@ -283,6 +294,9 @@ double evaluate_function(Node const& n, Instant& instant) {
     std::vector<double> arguments; // of this call: there are functions of functions
     for (Node const& child : n.children) {
         gather(child, instant, arguments);
+    }
+    if (n.function == "min" || n.function == "max") { // of those that are measured: NaN is no number to compare with
+        std::erase_if(arguments, [](double v) { return std::isnan(v); });
     }
     if (arguments.empty()) {
         return std::numeric_limits<double>::quiet_NaN();

@@ -59,12 +59,13 @@ std::vector<wire::StreamStatistics const*> captured(Results const& r, Node const
     std::vector<wire::StreamStatistics const*> out;
     bool const goose = declared_text(entry, "kind") == "goose";
     std::string const id = wire::visible(declared_text(entry, goose ? "control_block" : "sv_id"));
-    std::string const app_id = declared_text(entry, "app_id");
+    Node const* const app_id = entry.find("app_id");
+    auto const wanted = app_id == nullptr ? std::nullopt : config::integer_of(*app_id);
     if (!r.capture) {
         return out;
     }
     for (wire::StreamStatistics const& s : r.capture->streams) {
-        bool const same_app = app_id.empty() || std::stoul(app_id, nullptr, 0) == s.stream.app_id;
+        bool const same_app = app_id == nullptr || wanted == s.stream.app_id;
         if (s.stream.goose == goose && s.stream.id == id && same_app) {
             out.push_back(&s);
         }

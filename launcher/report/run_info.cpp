@@ -145,7 +145,7 @@ Json expectations_json(Json const& summary) {
             ++passed;
         } else {
             ++failed;
-            failures.push_back(value_of(e, "name", std::string{}));
+            failures.push_back(text_of(e, "name"));
         }
     }
     return {{"passed", passed}, {"failed", failed}, {"not_judged", open}, {"failures", failures}};
@@ -157,7 +157,7 @@ std::string verdict_of(Json const& manifest, Json const& summary) {
         return "not finished: the run is under way, or its supervisor was killed";
     }
     int const code = value_of(summary, "exit", value_of(manifest, "exit", 0));
-    std::string const cause = value_of(manifest, "cause", std::string{});
+    std::string const cause = text_of(manifest, "cause");
     if (code == 0) {
         return "passed";
     }
@@ -241,7 +241,7 @@ std::string run_text(Json const& j) {
     }
     std::string processes;
     for (Json const& p : j["processes"]) {
-        std::string const end = printable(value_of(p, "end", std::string{}));
+        std::string const end = printable(text_of(p, "end"));
         processes += fmt::format("{}{}", processes.empty() ? "" : ", ", shown(p["name"])) +
                      (p["exit"].is_number() && p["exit"].get<int>() != 0
                           ? fmt::format(" ({})", end.empty() ? "exit " + p["exit"].dump() : end)
@@ -257,35 +257,34 @@ Json run_json(fs::path const& run) {
     Json const clock = part_of(manifest, "clock"), files = part_of(manifest, "files"),
                build = part_of(manifest, "gridspace");
     std::error_code ignored;
-    Json j{
-        {"folder", fs::canonical(run, ignored).string()},
-        {"scenario", value_of(manifest, "scenario", std::string{})},
-        {"description", value_of(manifest, "description", std::string{})},
-        {"scenario_sha256", value_of(part_of(files, "scenario"), "sha256", std::string{})},
-        {"network_sha256", value_of(part_of(files, "network"), "sha256", std::string{})},
-        {"started", value_of(manifest, "started", std::string{})},
-        {"gridspace", fmt::format("{} ({}, {})", value_of(build, "version", std::string{}),
-                                  value_of(build, "commit", std::string{}), value_of(build, "build", std::string{}))},
-        {"seed", value_of(manifest, "seed", Json(nullptr))},
-        {"mode", value_of(clock, "mode", std::string{})},
-        {"tick_s", value_of(clock, "tick_s", std::string{})},
-        {"step_s", value_of(clock, "step_s", std::string{})},
-        {"epoch", value_of(clock, "epoch", std::string{})},
-        {"duration_s", value_of(manifest, "duration_s", 0.0)},
-        {"simulated_s", value_of(manifest, "simulated_s", Json(nullptr))},
-        {"wall_s", value_of(manifest, "wall_s", 0.0)},
-        {"overruns", value_of(manifest, "overruns", Json(nullptr))},
-        {"exit", value_of(summary, "exit", value_of(manifest, "exit", Json(nullptr)))},
-        {"verdict", verdict_of(manifest, summary)},
-        {"expectations", expectations_json(summary)}};
+    Json j{{"folder", fs::canonical(run, ignored).string()},
+           {"scenario", text_of(manifest, "scenario")},
+           {"description", text_of(manifest, "description")},
+           {"scenario_sha256", text_of(part_of(files, "scenario"), "sha256")},
+           {"network_sha256", text_of(part_of(files, "network"), "sha256")},
+           {"started", text_of(manifest, "started")},
+           {"gridspace",
+            fmt::format("{} ({}, {})", text_of(build, "version"), text_of(build, "commit"), text_of(build, "build"))},
+           {"seed", value_of(manifest, "seed", Json(nullptr))},
+           {"mode", text_of(clock, "mode")},
+           {"tick_s", text_of(clock, "tick_s")},
+           {"step_s", text_of(clock, "step_s")},
+           {"epoch", text_of(clock, "epoch")},
+           {"duration_s", value_of(manifest, "duration_s", 0.0)},
+           {"simulated_s", value_of(manifest, "simulated_s", Json(nullptr))},
+           {"wall_s", value_of(manifest, "wall_s", 0.0)},
+           {"overruns", value_of(manifest, "overruns", Json(nullptr))},
+           {"exit", value_of(summary, "exit", value_of(manifest, "exit", Json(nullptr)))},
+           {"verdict", verdict_of(manifest, summary)},
+           {"expectations", expectations_json(summary)}};
     j["processes"] = Json::array();
     Json const processes = part_of(manifest, "processes");
     for (auto const& [name, process] : processes.items()) {
         j["processes"].push_back({{"name", name},
-                                  {"program", value_of(process, "program", std::string{})},
-                                  {"host", value_of(process, "host", std::string{})},
+                                  {"program", text_of(process, "program")},
+                                  {"host", text_of(process, "host")},
                                   {"exit", value_of(process, "exit", Json(nullptr))},
-                                  {"end", value_of(process, "end", std::string{})}});
+                                  {"end", text_of(process, "end")}});
     }
     return j;
 }

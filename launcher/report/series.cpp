@@ -60,6 +60,9 @@ bool is_no_delay(std::string const& name, SignalSeries const& series) {
 } // namespace
 
 std::optional<std::vector<std::string>> captures(std::string_view pattern, std::string_view name) {
+    if (!matches_glob(pattern, name)) {
+        return std::nullopt; // so that below the first end whose rest matches is the right one, and no other is tried
+    }
     std::size_t const star = pattern.find('*');
     std::string_view const head = pattern.substr(0, star);
     if (head.size() > name.size() || !matches_glob(head, name.substr(0, head.size()))) {
@@ -107,15 +110,22 @@ std::vector<double> sliding_rms(std::vector<std::int64_t> const& times_ns, std::
     std::vector<double> out;
     out.reserve(values.size());
     double squares = 0;
-    std::size_t first = 0;
+    std::size_t first = 0, unknown = 0; // NaN in the window
+    auto const count = [&](double value, int sign) {
+        if (std::isnan(value)) {
+            unknown += sign > 0 ? 1 : -std::size_t{1};
+        } else {
+            squares += sign * value * value;
+        }
+    };
     for (std::size_t i = 0; i < values.size(); ++i) {
-        squares += values[i] * values[i];
+        count(values[i], 1);
         // Half a nanosecond less: a window of whole samples takes as many samples at every rounding of the times.
         while (static_cast<double>(times_ns[i] - times_ns[first]) >= window_s * 1e9 - 500) {
-            squares -= values[first] * values[first];
-            ++first;
+            count(values[first++], -1);
         }
-        out.push_back(std::sqrt(std::max(0.0, squares) / static_cast<double>(i - first + 1)));
+        out.push_back(unknown > 0 ? std::numeric_limits<double>::quiet_NaN()
+                                  : std::sqrt(std::max(0.0, squares) / static_cast<double>(i - first + 1)));
     }
     return out;
 }

@@ -83,18 +83,21 @@ void take_processor(PlannedProcess const& process) {
     }
 }
 
-/// Standard descriptors, then 3 (status), 4 (listening socket) and 5 (board). Returns where `error_fd` is from now on.
+/// Standard descriptors, then 3 (status, of who takes it), 4 (listening socket) and 5 (board). Returns where `error_fd`
+/// is from now on.
 int arrange_descriptors(SpawnOptions const& options, int control_read, int status_write, int log_fd, int error_fd) {
     // Sources are moved above 10 first: no overlap.
-    int const control = ::fcntl(control_read, F_DUPFD, 10), status = ::fcntl(status_write, F_DUPFD, 10),
-              log = ::fcntl(log_fd, F_DUPFD, 10),
+    int const control = ::fcntl(control_read, F_DUPFD, 10),
+              status = status_write < 0 ? -1 : ::fcntl(status_write, F_DUPFD, 10), log = ::fcntl(log_fd, F_DUPFD, 10),
               listening = options.listen_fd < 0 ? -1 : ::fcntl(options.listen_fd, F_DUPFD, 10),
               board = options.board_fd < 0 ? -1 : ::fcntl(options.board_fd, F_DUPFD, 10),
               error = ::fcntl(error_fd, F_DUPFD_CLOEXEC, 10);
     ::dup2(control, STDIN_FILENO);
     ::dup2(log, STDOUT_FILENO);
     ::dup2(log, STDERR_FILENO);
-    ::dup2(status, kStatusFd);
+    if (status >= 0) {
+        ::dup2(status, kStatusFd);
+    }
     if (listening >= 0) {
         ::dup2(listening, kListenFd);
     }
@@ -120,7 +123,9 @@ int arrange_descriptors(SpawnOptions const& options, int control_read, int statu
         give_up(error_fd, "entering its host");
     }
     take_processor(process);
-    error_fd = arrange_descriptors(options, control_read, status_write, log_fd, error_fd);
+    bool const is_far = process.run_on.kind == RunOn::Kind::ssh || process.run_on.kind == RunOn::Kind::qemu_system;
+    bool const speaks = process.has_status || is_far; // far away: the near end of its cable does
+    error_fd = arrange_descriptors(options, control_read, speaks ? status_write : -1, log_fd, error_fd);
     for (auto const& [name, value] : process.environment) {
         ::setenv(name.c_str(), value.c_str(), 1);
     }

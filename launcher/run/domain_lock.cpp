@@ -13,15 +13,37 @@
 #include <utility>
 
 namespace gridspace::launcher {
+namespace {
+
+/// The lock file at this path, opened; -1 with errno. The folder may be another user's: no link is followed, and the
+/// mode is changed only of what is made here.
+int open_lock(char const* file) {
+    constexpr int kFlags = O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK;
+    if (int const made = ::open(file, kFlags | O_CREAT | O_EXCL, 0600); made >= 0) {
+        ::fchmod(made, 0666); // whatever the umask
+        return made;
+    }
+    int const found = errno == EEXIST ? ::open(file, kFlags) : -1;
+    struct stat what{};
+    if (found >= 0 && (::fstat(found, &what) != 0 || !S_ISREG(what.st_mode))) {
+        ::close(found);
+        errno = EEXIST;
+        return -1;
+    }
+    return found;
+}
+
+} // namespace
 
 Result<DomainLock> DomainLock::take(std::filesystem::path const& folder) {
     constexpr int kFirst = 2, kLast = 98;
-    ::mkdir(folder.c_str(), 0777);
-    ::chmod(folder.c_str(), 01777); // it may be another user's
+    if (::mkdir(folder.c_str(), 0700) == 0) {
+        ::chmod(folder.c_str(), 01777); // for all users of the machine
+    }
     std::optional<Error> refused;
     for (int domain = kFirst; domain <= kLast; domain += 2) {
         std::string const file = (folder / std::to_string(domain)).string();
-        int const fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        int const fd = open_lock(file.c_str());
         if (fd < 0) {
             if (!refused) {
                 refused =
@@ -32,7 +54,6 @@ Result<DomainLock> DomainLock::take(std::filesystem::path const& folder) {
             }
             continue;
         }
-        ::fchmod(fd, 0666);
         if (::flock(fd, LOCK_EX | LOCK_NB) == 0) {
             return DomainLock{fd, domain};
         }

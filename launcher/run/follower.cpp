@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/follower.hpp"
 
+#include "common/json_value.hpp"
 #include "common/lateness_json.hpp"
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
@@ -92,31 +93,33 @@ class Follower {
     }
 
     void on_line(Json const& line) {
-        std::string const kind = line.value("kind", ""), process = line.value("process", "");
+        std::string const kind = text_of(line, "kind"), process = text_of(line, "process");
         if (kind == "status") {
             on_status(process, line);
         } else if (kind == "exit") {
             std::erase_if(outcome_.ends, [&](auto const& e) { return e.process == process; });
-            outcome_.ends.push_back({process, line.value("how", ""), line.value("code", 0), line.value("cpu_s", 0.0)});
-            if (line.value("code", 0) != 0 && !line.value("expected", false)) { // a planned kill is an event already
-                events_.write(time_s_, process, "exit", line.value("how", ""));
+            outcome_.ends.push_back(
+                {process, text_of(line, "how"), value_of(line, "code", 0), value_of(line, "cpu_s", 0.0)});
+            if (value_of(line, "code", 0) != 0 &&
+                !value_of(line, "expected", false)) { // a planned kill is an event already
+                events_.write(time_s_, process, "exit", text_of(line, "how"));
             }
         } else if (kind == "returned") {
             events_.write(time_s_, process, "started_again",
-                          fmt::format("incarnation {}; the run went on without it", line.value("incarnation", 0)));
+                          fmt::format("incarnation {}; the run went on without it", value_of(line, "incarnation", 0)));
         } else if (kind == "process_action") {
-            std::string const text = fmt::format("{} {}", line.value("process", ""), line.value("what", ""));
-            events_.write(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);
-            progress_.event(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);
+            std::string const text = fmt::format("{} {}", text_of(line, "process"), text_of(line, "what"));
+            events_.write(value_of(line, "time_s", 0.0), "launcher", text_of(line, "event"), text);
+            progress_.event(value_of(line, "time_s", 0.0), "launcher", text_of(line, "event"), text);
         } else if (kind == "failed") {
-            bool const stopped = line.value("code", 0) == static_cast<int>(ExitCode::interrupted);
-            events_.write(time_s_, "launcher", stopped ? "run_stopped" : "run_failed", line.value("cause", ""));
+            bool const stopped = value_of(line, "code", 0) == static_cast<int>(ExitCode::interrupted);
+            events_.write(time_s_, "launcher", stopped ? "run_stopped" : "run_failed", text_of(line, "cause"));
         } else if (kind == "over") {
             over_ = true;
-            outcome_.exit_code = line.value("code", 0);
-            outcome_.cause = line.value("cause", "");
-            outcome_.remedy = line.value("remedy", "");
-            if (auto const left_out = line.value("left_out", std::uint64_t{0}); left_out > 0) {
+            outcome_.exit_code = value_of(line, "code", 0);
+            outcome_.cause = text_of(line, "cause");
+            outcome_.remedy = text_of(line, "remedy");
+            if (auto const left_out = value_of(line, "left_out", std::uint64_t{0}); left_out > 0) {
                 std::string const text =
                     fmt::format("{} lines about the run are left out: this process did not take them", left_out);
                 events_.write(time_s_, "launcher", "left_out", text);
@@ -140,34 +143,34 @@ class Follower {
 
     /// When the process wrote it.
     static Clock::time_point instant_of(Json const& line) {
-        auto const at_ns = line.value("at_ns", std::int64_t{0});
+        auto const at_ns = value_of(line, "at_ns", std::int64_t{0});
         return at_ns == 0 ? Clock::now() : Clock::time_point{std::chrono::nanoseconds{at_ns}};
     }
 
     void on_status(std::string const& process, Json const& line) {
-        std::string const status = line.value("status", "");
+        std::string const status = text_of(line, "status");
         if (status == "ready") {
             progress_.note(ready_text());
             clock_started_ = last_progress_ = instant_of(line);
             started_ = true;
         } else if (status == "progress") {
-            time_s_ = line.value("time_s", 0.0);
+            time_s_ = value_of(line, "time_s", 0.0);
             last_progress_ = instant_of(line);
-            outcome_.overruns = line.value("overruns", std::uint64_t{0});
+            outcome_.overruns = value_of(line, "overruns", std::uint64_t{0});
             progress_.update(time_s_, outcome_.overruns);
         } else if (status == "lateness") {
             outcome_.ticks = lateness_of(line);
         } else if (status == "event") {
-            events_.write(line.value("time_s", 0.0), line.value("source", process), line.value("event", ""),
-                          line.value("text", ""));
-            progress_.event(line.value("time_s", 0.0), line.value("source", process), line.value("event", ""),
-                            line.value("text", ""));
+            events_.write(value_of(line, "time_s", 0.0), value_of(line, "source", process), text_of(line, "event"),
+                          text_of(line, "text"));
+            progress_.event(value_of(line, "time_s", 0.0), value_of(line, "source", process), text_of(line, "event"),
+                            text_of(line, "text"));
         } else if (status == "paused" || status == "resumed") {
-            time_s_ = line.value("time_s", 0.0);
+            time_s_ = value_of(line, "time_s", 0.0);
             events_.write(time_s_, "launcher", status, fmt::format("the run is {}", status));
             progress_.note(fmt::format("the run is {} at {} s", status, time_s_));
         } else if (status == "serving") {
-            progress_.note(fmt::format("{}: {}", process, line.value("url", "")));
+            progress_.note(fmt::format("{}: {}", process, text_of(line, "url")));
         }
     }
 

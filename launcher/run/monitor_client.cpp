@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/monitor_client.hpp"
 
+#include "common/json_value.hpp"
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
 #include "launcher/run/monitor_http.hpp"
@@ -119,7 +120,7 @@ Result<std::string> talk(MonitorAddress const& monitor, std::string_view method,
         return said.is_object() && said.contains("error")
                    ? fail(ExitCode::usage,
                           said["error"].is_string() ? said["error"].get<std::string>() : said["error"].dump(),
-                          said.value("remedy", ""))
+                          text_of(said, "remedy"))
                    : fail(ExitCode::usage, fmt::format("the monitor says {}: {}", reply->status, reply->body));
     }
     return std::move(reply->body);

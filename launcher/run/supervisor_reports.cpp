@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "common/json_value.hpp"
 #include "launcher/run/supervisor_core.hpp"
 
 #include <csignal>
@@ -20,7 +21,10 @@ void Supervisor::read_channel() {
 
 void Supervisor::read_status(WatchedProcess& w) {
     for (std::string const& line : w.read_status()) {
-        nlohmann::ordered_json status = nlohmann::ordered_json::parse(line, nullptr, false);
+        // A process may say anything: what is nested deeply is left out, before somebody walks through it.
+        constexpr int kMostLevels = 8;
+        nlohmann::ordered_json status = nlohmann::ordered_json::parse(
+            line, [](int level, auto, auto const&) { return level < kMostLevels; }, false);
         if (status.is_object()) {
             on_status(w, status);
         }
@@ -28,20 +32,21 @@ void Supervisor::read_status(WatchedProcess& w) {
 }
 
 void Supervisor::on_status(WatchedProcess& w, nlohmann::ordered_json& status) {
-    std::string const what = status.value("status", "");
+    std::string const what = text_of(status, "status");
     if (what == "failed") {
-        w.reported = Error{static_cast<ExitCode>(status.value("code", 4)), status.value("message", ""),
-                           status.value("remedy", "")};
+        w.reported = Error{static_cast<ExitCode>(value_of(status, "code", 4)), text_of(status, "message"),
+                           text_of(status, "remedy")};
         // The simulator names the culprit of a stall; others notice the consequences.
         if (w.plan.is_simulator && !failure_) {
             fail_with({w.reported->code, fmt::format("{}: {}", w.plan.name, w.reported->message), w.reported->remedy});
         }
-    } else if (what == "hold") {
-        strike(w, status.value("index", std::size_t{0}));
+    } else if (what == "hold" && w.plan.is_simulator) {
+        strike(w, value_of(status, "index", std::size_t{0}));
     } else if (what == "control") {
-        control(w, status.value("action", ""));
+        control(w, text_of(status, "action"));
     }
-    bool const only_the_newest = what == "progress" && status.value("time_s", 0.0) < status.value("duration_s", 0.0);
+    bool const only_the_newest =
+        what == "progress" && value_of(status, "time_s", 0.0) < value_of(status, "duration_s", 0.0);
     status["kind"] = "status";
     status["process"] = w.plan.name;
     news_.tell(status, only_the_newest);

@@ -62,6 +62,10 @@ std::vector<std::string> WatchedProcess::read_status() {
         ::close(std::exchange(child.status_fd, -1));
     }
     std::vector<std::string> lines;
+    constexpr std::size_t kLongestLine = 64U * 1024U;
+    if (pending.size() > kLongestLine && pending.find('\n') == std::string::npos) {
+        pending.clear(); // no line of ours is that long, and one without an end would grow for ever
+    }
     for (std::size_t end = 0; (end = pending.find('\n')) != std::string::npos; pending.erase(0, end + 1)) {
         lines.push_back(pending.substr(0, end));
     }

@@ -22,7 +22,8 @@ void describe_clock(Fields& f, ClockSettings& c) {
         "mode", c.mode, {{"realtime", bus::ClockMode::realtime}, {"lockstep", bus::ClockMode::lockstep}},
         {.doc = "lockstep: the simulator waits for its members; realtime: for nobody", .required = true});
     std::string speed = c.mode == bus::ClockMode::realtime ? "1" : "max";
-    f.text("speed", speed, {.doc = "simulated seconds per second, or max"});
+    f.text("speed", speed,
+           {.doc = "simulated seconds per second, or max (lockstep only, and its default; in real time 1)"});
     if (speed == "max") {
         c.speed = 0;
         if (c.mode == bus::ClockMode::realtime) {
@@ -222,7 +223,7 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, bool start_prog
               (void)read_link(i);
           }); // for the schema: they have become processes before they are read
     attacker::describe_attacks(f, s.attacks);
-    f.raw("expect", s.expect, {.doc = "what must hold for the run to pass"});
+    f.raw("expect", s.expect, {.doc = "what must hold for the run to pass (docs/how_to/write_a_scenario.md)"});
     f.object("report", {.doc = "what the report draws; without it, the usual figures"},
              [&](Fields& g) { describe(g, s.report, diagnostics); });
 }

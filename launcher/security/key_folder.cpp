@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 #include "common/time.hpp"
+#include "common/unique_fd.hpp"
 #include "launcher/folder/write_file.hpp"
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -99,14 +101,16 @@ Result<KeyFolder> KeyFolder::init(fs::path folder, std::vector<std::string> cons
     if (error) {
         return fail(ExitCode::environment, fmt::format("cannot make '{}': {}", folder.string(), error.message()));
     }
-    auto identity_ca = crypto::make_authority("identities", valid);
-    auto permissions_ca = crypto::make_authority("permissions", valid);
+    // Authorities and list outlive the identities: one that has run out is issued again, and nobody else is refused.
+    crypto::Validity const lasting{valid.from_unix_s, std::max(valid.until_unix_s, valid.from_unix_s + kTwentyYears)};
+    auto identity_ca = crypto::make_authority("identities", lasting);
+    auto permissions_ca = crypto::make_authority("permissions", lasting);
     if (!identity_ca || !permissions_ca) {
         return std::unexpected{identity_ca ? permissions_ca.error() : identity_ca.error()};
     }
     out.identity_ca_ = std::move(*identity_ca);
     out.permissions_ca_ = std::move(*permissions_ca);
-    auto const list = crypto::revocation_list(out.identity_ca_, {}, valid);
+    auto const list = crypto::revocation_list(out.identity_ca_, {}, lasting);
     if (!list) {
         return std::unexpected{list.error()};
     }
@@ -146,6 +150,16 @@ Result<void> KeyFolder::issue(std::string const& name, crypto::Validity valid) c
     if (auto ok = check_name(name); !ok) {
         return ok;
     }
+    auto const authority = crypto::facts_of(identity_ca_.certificate);
+    if (!authority) {
+        return std::unexpected{authority.error()};
+    }
+    if (valid.until_unix_s > authority->valid.until_unix_s) {
+        return fail(ExitCode::usage,
+                    fmt::format("an identity until {} would outlive the authority of {}, which ends at {}",
+                                day(valid.until_unix_s), folder_.string(), day(authority->valid.until_unix_s)),
+                    "an earlier --until, or fewer --days; or a new folder: gridspace keys init DIR");
+    }
     auto const identity = crypto::issue(identity_ca_, name, valid);
     fs::path const base = folder_ / key_files::kIdentities / name;
     return identity ? write_identity(base.string() + ".pem", base.string() + ".key", *identity)
@@ -164,6 +178,11 @@ Result<void> KeyFolder::revoke(std::string const& name, crypto::Validity list_va
     auto const certificate = read_file(folder_ / key_files::kIdentities / (name + ".pem"), false);
     if (!certificate) {
         return std::unexpected{certificate.error()};
+    }
+    // Two at once would each add to the list that both have read.
+    UniqueFd const alone{::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+    if (!alone || ::flock(alone.get(), LOCK_EX) != 0) {
+        return fail(ExitCode::environment, fmt::format("cannot lock '{}': {}", folder_.string(), std::strerror(errno)));
     }
     auto const facts = crypto::facts_of(*certificate);
     auto serials = revoked();
@@ -205,6 +224,16 @@ Result<KeyFolder::Found> KeyFolder::find(std::vector<std::string> const& names, 
     std::string const which = fmt::format("the certificate of '{}' ({})", found.name, found.certificate.string());
     if (!crypto::is_signed_by(*certificate, identity_ca_.certificate)) {
         return fail(ExitCode::usage, which + " is not signed by the authority of its folder", again);
+    }
+    for (crypto::Identity const* authority : {&identity_ca_, &permissions_ca_}) {
+        auto const its = crypto::facts_of(authority->certificate);
+        if (!its || now_unix_s > its->valid.until_unix_s) {
+            return its ? fail(ExitCode::usage,
+                              fmt::format("the authority '{}' of {} expired at {}", its->name, folder_.string(),
+                                          day(its->valid.until_unix_s)),
+                              "a new folder: gridspace keys init DIR")
+                       : std::unexpected{its.error()};
+        }
     }
     if (now_unix_s > facts->valid.until_unix_s) {
         return fail(ExitCode::usage, fmt::format("{} expired at {}", which, day(facts->valid.until_unix_s)), again);

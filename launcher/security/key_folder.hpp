@@ -4,6 +4,7 @@
 
 #include "common/crypto/certificates.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,18 +17,22 @@ inline constexpr char kPermissionsCa[] = "permissions_ca.pem", kPermissionsCaKey
 inline constexpr char kRevoked[] = "revoked.crl", kIdentities[] = "identities";
 } // namespace key_files
 
+/// How long authorities and lists of revoked certificates are valid: one that runs out would refuse everybody.
+inline constexpr std::int64_t kTwentyYears = 20LL * 365 * 24 * 3600; // seconds
+
 /// A folder of keys for secured runs (docs/reference/security.md): an authority that says who somebody is, one that
 /// says what he may do, a list of certificates that are not to be believed any more, and identities. Private keys have
 /// the mode 0600, the folder 0700.
 class KeyFolder {
   public:
-    /// Makes one, with an identity of each name. Fails when the folder exists and is not empty.
+    /// Makes one, with an identity of each name that is valid as said; the authorities last longer. Fails when the
+    /// folder exists and is not empty.
     [[nodiscard]] static Result<KeyFolder> init(std::filesystem::path folder, std::vector<std::string> const& names,
                                                 crypto::Validity valid);
     /// Reads one that exists, and looks whether others may read its secrets.
     [[nodiscard]] static Result<KeyFolder> open(std::filesystem::path folder);
 
-    /// A new identity, in the place of an older one of that name.
+    /// A new identity, in the place of an older one of that name. None outlives the authority.
     [[nodiscard]] Result<void> issue(std::string const& name, crypto::Validity valid) const;
     /// From now on the certificate that `name` has at present is refused.
     [[nodiscard]] Result<void> revoke(std::string const& name, crypto::Validity list_valid) const;

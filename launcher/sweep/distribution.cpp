@@ -8,6 +8,20 @@
 #include <cmath>
 
 namespace gridspace::launcher {
+namespace {
+
+using Normal = boost::math::normal_distribution<>;
+
+double share_below(Normal const& normal, double x) {
+    return std::isfinite(x) ? boost::math::cdf(normal, x) : x < 0 ? 0 : 1;
+}
+
+} // namespace
+
+double normal_share(Distribution const& d) {
+    Normal const normal{d.mean, d.deviation};
+    return share_below(normal, d.high) - share_below(normal, d.low);
+}
 
 double quantile(Distribution const& d, double u) {
     switch (d.kind) {
@@ -20,10 +34,8 @@ double quantile(Distribution const& d, double u) {
     case Distribution::Kind::normal:
         break;
     }
-    boost::math::normal_distribution<> const normal{d.mean, d.deviation};
-    double const below = std::isfinite(d.low) ? boost::math::cdf(normal, d.low) : 0;
-    double const up_to = std::isfinite(d.high) ? boost::math::cdf(normal, d.high) : 1;
-    return std::clamp(boost::math::quantile(normal, below + u * (up_to - below)), d.low, d.high);
+    Normal const normal{d.mean, d.deviation};
+    return std::clamp(boost::math::quantile(normal, share_below(normal, d.low) + u * normal_share(d)), d.low, d.high);
 }
 
 } // namespace gridspace::launcher

@@ -15,6 +15,9 @@ struct Distribution {
     double mean{0}, deviation{1}; ///< of a normal one
 };
 
+/// Of a normal distribution: the share of draws between the bounds.
+[[nodiscard]] double normal_share(Distribution const& distribution);
+
 /// The value below which the share `u` (0 < u < 1) of all draws lies: the inverse of the distribution function.
 [[nodiscard]] double quantile(Distribution const& distribution, double u);
 

@@ -28,9 +28,9 @@ std::optional<T> maybe(Json const& object, char const* key) {
 std::vector<RunRecord::Value> values_of(Json const& list) {
     std::vector<RunRecord::Value> out;
     for (Json const& item : list) {
-        out.push_back({value_of(item, "name", std::string{}), value_of(item, "verb", std::string{}),
-                       value_of(item, "unit", std::string{}), maybe<double>(item, "value"), maybe<double>(item, "low"),
-                       maybe<double>(item, "high"), maybe<bool>(item, "pass"), value_of(item, "advisory", false)});
+        out.push_back({text_of(item, "name"), text_of(item, "verb"), text_of(item, "unit"),
+                       maybe<double>(item, "value"), maybe<double>(item, "low"), maybe<double>(item, "high"),
+                       maybe<bool>(item, "pass"), value_of(item, "advisory", false)});
     }
     return out;
 }
@@ -83,7 +83,7 @@ RunRecord collect_run(std::filesystem::path const& run_folder, std::filesystem::
     }
     record.simulated_s = value_of(summary, "simulated_s", 0.0);
     record.overruns = value_of(summary, "overruns", std::uint64_t{0});
-    record.cause = value_of(summary, "cause", std::string{});
+    record.cause = text_of(summary, "cause");
     record.values = values_of(value_of(summary, "expectations", Json::array()));
     std::vector<std::string> failed;
     for (RunRecord::Value const& v : record.values) {
@@ -104,7 +104,7 @@ std::optional<RunRecord> read_record(std::filesystem::path const& file) {
     }
     RunRecord record;
     record.exit = value_of(json, "exit", 0);
-    record.cause = value_of(json, "cause", std::string{});
+    record.cause = text_of(json, "cause");
     record.wall_s = value_of(json, "wall_s", 0.0);
     record.simulated_s = value_of(json, "simulated_s", 0.0);
     record.overruns = value_of(json, "overruns", std::uint64_t{0});

@@ -74,6 +74,11 @@ void read_distribution(Fields& g, Kind kind, std::optional<Distribution>& out) {
     } else if (kind == Kind::triangular && (d.mode < d.low || d.mode > d.high)) {
         g.error("mode",
                 fmt::format("{} is not between {} and {}", shortest(d.mode), shortest(d.low), shortest(d.high)));
+    } else if (constexpr double kLeastShare = 1e-9; normal && d.deviation > 0 && normal_share(d) < kLeastShare) {
+        g.error("low",
+                fmt::format("of draws with mean {} and deviation {} none lies between {} and {}", shortest(d.mean),
+                            shortest(d.deviation), shortest(d.low), shortest(d.high)),
+                "bounds nearer to the mean");
     } else {
         out = d;
     }

@@ -90,11 +90,18 @@ struct BusTap::Network final : bus::DiscoveryObserver {
             run.full("topics of a network", kMaxTopics);
             return;
         }
-        auto const [it, first] = followed.try_emplace(endpoint.topic, Wanted{});
-        Wanted const before = std::exchange(it->second, it->second.with(endpoint.qos));
+        auto [it, first] = followed.try_emplace(endpoint.topic, Followed{endpoint.type, {}});
+        if (it->second.type != endpoint.type) {
+            if (run.graph.has_writer(name, endpoint.topic, it->second.type)) {
+                return; // a topic is read with the type of who came first and is still here
+            }
+            it->second = {endpoint.type, {}};
+            first = true;
+        }
+        Wanted const before = std::exchange(it->second.wanted, it->second.wanted.with(endpoint.qos));
         bool const own = std::find(kProfiles.begin(), kProfiles.end(), endpoint.topic) != kProfiles.end();
-        if (first || (before != it->second && !own)) {
-            waiting.push_back({endpoint.topic, endpoint.type, endpoint.keyed, own, it->second});
+        if (first || (before != it->second.wanted && !own)) {
+            waiting.push_back({endpoint.topic, endpoint.type, endpoint.keyed, own, it->second.wanted});
         }
     }
     void endpoint_gone(std::string const& id) override {
@@ -109,13 +116,18 @@ struct BusTap::Network final : bus::DiscoveryObserver {
         Wanted wanted;   ///< of its reader, otherwise
     };
 
+    struct Followed {
+        std::string type;
+        Wanted wanted;
+    };
+
     std::string const name;
     LiveRun& run;
     bus::DiscoveredParticipant self;
-    std::set<std::string> known;            // participants; with the run's mutex
-    std::map<std::string, Wanted> followed; // by topic; with the run's mutex
-    std::vector<NewTopic> waiting;          // with the run's mutex
-    std::deque<std::string> type_names;     // codecs refer to them
+    std::set<std::string> known;              // participants; with the run's mutex
+    std::map<std::string, Followed> followed; // by topic; with the run's mutex
+    std::vector<NewTopic> waiting;            // with the run's mutex
+    std::deque<std::string> type_names;       // codecs refer to them
     std::unique_ptr<bus::Participant> participant;
     std::map<std::string, std::unique_ptr<bus::RawReader>> readers; // by topic; before the participant in death
 };

@@ -3,6 +3,7 @@
 #include "monitor/app/live_run.hpp"
 
 #include "bus/codec.hpp"
+#include "bus/topics.hpp"
 #include "common/idl/cdr_visitor.hpp"
 #include "common/log.hpp"
 
@@ -13,13 +14,15 @@
 #include <protection.h>
 #include <signals.h>
 #include <statistics.h>
+#include <utility>
 
 namespace gridspace::monitor {
 namespace {
 
 constexpr std::size_t kKeptSamples = 64;
-constexpr std::size_t kKeptOctets = 256 * 1024;   ///< per topic
-constexpr std::size_t kCheckedOctets = 64 * 1024; ///< of a sample: a larger one would take too long
+constexpr std::size_t kKeptOctets = 256 * 1024;     ///< per topic, of several samples
+constexpr std::size_t kAllLargeOctets = 64U << 20U; ///< of all topics, where a sample has more than that
+constexpr std::size_t kCheckedOctets = 64 * 1024;   ///< of a sample: a larger one would take too long
 constexpr std::size_t kKeptEvents = 10'000;
 constexpr std::size_t kGroups = 256;
 constexpr std::size_t kStreamEnds = 4096;
@@ -82,19 +85,35 @@ void LiveRun::on_sample(std::string const& network, std::string const& topic, st
         state.network = network;
         state.topic = topic;
         state.type = type;
+    } else if (state.type != type) { // another program writes it now
+        state.type = type;
+        newest_octets_ -= std::exchange(state.newest_octets, 0);
+        state.newest.clear();
     }
     ++state.samples;
     state.octets += cdr.size();
     decode(topic, type, process, cdr);
+    // The newest is always kept, while there is room for large ones.
+    if (cdr.size() > kKeptOctets && newest_octets_ - state.newest_octets + cdr.size() > kAllLargeOctets) {
+        tell_once("limit", fmt::format("samples of '{}' are too large to be kept beside those of other topics: only "
+                                       "their number is shown",
+                                       topic));
+        return;
+    }
     RawSample sample;
     while (!state.newest.empty() &&
            (state.newest.size() >= kKeptSamples || state.newest_octets + cdr.size() > kKeptOctets)) {
         sample = std::move(state.newest.front()); // its memory is used again
         state.newest_octets -= sample.cdr.size();
+        newest_octets_ -= sample.cdr.size();
         state.newest.pop_front();
+    }
+    if (sample.cdr.capacity() > kKeptOctets) {
+        sample.cdr = {}; // a small one would hold the memory of a large one
     }
     sample.cdr.assign(cdr.begin(), cdr.end());
     state.newest_octets += cdr.size();
+    newest_octets_ += cdr.size();
     sample.process = std::move(process);
     sample.source_ns = source_ns;
     sample.number = state.samples;
@@ -157,10 +176,17 @@ bool LiveRun::take_type(std::span<std::byte const> cdr) {
     if (!bus::codec_of<TypeCatalogEntry>().decode(cdr, &sample)) {
         return false;
     }
-    if (idl.size() < kTypes || idl.contains(sample.type_name().c_str())) {
-        idl.insert_or_assign(sample.type_name().c_str(), sample.idl());
-    } else {
+    std::string const name = sample.type_name().c_str();
+    auto const known = idl.find(name);
+    std::size_t const others = idl_octets_ - (known == idl.end() ? 0 : known->second.size());
+    if (known == idl.end() && idl.size() >= kTypes) {
         full("types", kTypes);
+    } else if (sample.idl().size() > bus::kLongestIdl || others + sample.idl().size() > bus::kMostIdl) {
+        tell_once("limit", fmt::format("the IDL of type '{}' is not kept: {} octets, beside {} of other types", name,
+                                       sample.idl().size(), others));
+    } else {
+        idl_octets_ = others + sample.idl().size();
+        idl.insert_or_assign(name, sample.idl());
     }
     return true;
 }
@@ -184,7 +210,9 @@ bool LiveRun::take_columns(std::span<std::byte const> cdr) {
         full("groups of signals", kGroups);
     } else if (!same) {
         std::size_t const rows = rows_for(columns.size());
-        signals[key] = std::make_unique<stream::SignalWindow>(std::move(columns), rows);
+        auto& window = signals[key];
+        *values_left_ += window == nullptr ? 0 : window->values();
+        window = std::make_unique<stream::SignalWindow>(std::move(columns), rows, values_left_);
     }
     return true;
 }

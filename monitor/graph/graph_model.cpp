@@ -6,14 +6,19 @@
 #include "monitor/graph/match.hpp"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 #include <utility>
 
 namespace gridspace::graph {
 namespace {
 
+/// Names and texts of one list, and kinds of endpoints of one topic: enough for people, and bounded for those who
+/// invent.
+constexpr std::size_t kMost = 64;
+
 void add_once(std::vector<std::string>& list, std::string const& text) {
-    if (std::find(list.begin(), list.end(), text) == list.end()) {
+    if (list.size() < kMost && std::find(list.begin(), list.end(), text) == list.end()) {
         list.push_back(text);
     }
 }
@@ -45,28 +50,65 @@ Edges edges_of(Topic const& topic, std::vector<Endpoint> const& endpoints) {
     return edges;
 }
 
+/// Writers or readers of a topic that match, or do not match, for the same reasons.
+struct Kind {
+    bus::DiscoveredEndpoint like;
+    std::set<std::string> processes;
+};
+
+/// Of two hundred members that acknowledge to each other there is one; those beyond kMost are not looked at.
+std::vector<Kind> kinds_of(std::vector<Endpoint> const& endpoints, bool writers) {
+    std::vector<Kind> out;
+    for (Endpoint const& e : endpoints) {
+        if (e.endpoint.writer != writers) {
+            continue;
+        }
+        auto const same = [&](Kind const& kind) {
+            return kind.like.type == e.endpoint.type && kind.like.keyed == e.endpoint.keyed &&
+                   kind.like.qos == e.endpoint.qos;
+        };
+        auto kind = std::find_if(out.begin(), out.end(), same);
+        if (kind == out.end() && out.size() < kMost) {
+            kind = out.insert(kind, {e.endpoint, {}});
+        }
+        if (kind != out.end()) {
+            kind->processes.insert(e.process);
+        }
+    }
+    return out;
+}
+
 /// Which of them have somebody at the other end, and why others have not.
 void match(std::vector<Endpoint> const& endpoints, std::map<std::string, Process> const& processes, Edges& edges) {
     auto const is_monitor = [&](std::string const& name) {
         auto const process = processes.find(name);
         return process != processes.end() && process->second.program == "gridspace-monitor";
     };
-    for (Endpoint const& w : endpoints) {
-        for (Endpoint const& r : endpoints) {
-            if (!w.endpoint.writer || r.endpoint.writer) {
-                continue;
+    std::vector<Kind> const writers = kinds_of(endpoints, true), readers = kinds_of(endpoints, false);
+    for (Kind const& w : writers) {
+        for (Kind const& r : readers) {
+            auto const reasons = mismatch(w.like, r.like);
+            auto const note = [&](std::string const& process, bool writes, std::set<std::string> const& others,
+                                  std::string const& before, std::string const& after) {
+                Edge& edge = edges[{process, writes}];
+                edge.matched = edge.matched || reasons.empty();
+                for (auto other = others.begin(); other != others.end() && !reasons.empty(); ++other) {
+                    if (is_monitor(writes ? *other : process)) {
+                        continue; // whoever looks on is no fault of what it looks at
+                    }
+                    if (edge.problems.size() >= kMost) {
+                        break;
+                    }
+                    for (std::string const& reason : reasons) {
+                        add_once(edge.problems, before + *other + after + reason);
+                    }
+                }
+            };
+            for (std::string const& process : w.processes) {
+                note(process, true, r.processes, "", " does not get it: ");
             }
-            Edge &writing = edges[{w.process, true}], &reading = edges[{r.process, false}];
-            auto const reasons = mismatch(w.endpoint, r.endpoint);
-            if (!reasons.empty() && is_monitor(r.process)) {
-                continue; // whoever looks on is no fault of what it looks at
-            }
-            if (reasons.empty()) {
-                writing.matched = reading.matched = true;
-            }
-            for (std::string const& reason : reasons) {
-                add_once(writing.problems, r.process + " does not get it: " + reason);
-                add_once(reading.problems, "gets nothing from " + w.process + ": " + reason);
+            for (std::string const& process : r.processes) {
+                note(process, false, w.processes, "gets nothing from ", ": ");
             }
         }
     }
@@ -160,6 +202,13 @@ void GraphModel::endpoint_gone(std::string const& id) {
     if (endpoints_.erase(id) > 0) {
         ++revision_;
     }
+}
+
+bool GraphModel::has_writer(std::string const& network, std::string const& topic, std::string const& type) const {
+    return std::ranges::any_of(endpoints_, [&](auto const& entry) {
+        auto const& [endpoint, where, process] = entry.second;
+        return endpoint.writer && where == network && endpoint.topic == topic && endpoint.type == type;
+    });
 }
 
 void GraphModel::look_through(std::string const& participant) {

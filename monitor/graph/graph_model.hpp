@@ -83,6 +83,7 @@ class GraphModel {
     /// False: there is no room for it.
     bool endpoint_found(std::string const& network, bus::DiscoveredEndpoint const& endpoint);
     void endpoint_gone(std::string const& id);
+    [[nodiscard]] bool has_writer(std::string const& network, std::string const& topic, std::string const& type) const;
     /// The participant of the observer: what its readers do not get is a note of the topic.
     void look_through(std::string const& participant);
 

@@ -14,12 +14,13 @@ constexpr std::size_t kLevels = 4;
 
 } // namespace
 
-SignalWindow::SignalWindow(std::vector<Column> columns, std::size_t rows)
-    : columns_{std::move(columns)}, capacity_{std::max<std::size_t>(rows, 2)} {
+SignalWindow::SignalWindow(std::vector<Column> columns, std::size_t rows, std::shared_ptr<std::size_t> values_left)
+    : columns_{std::move(columns)}, values_left_{std::move(values_left)} {
     std::uint64_t span = 1;
     for (std::size_t i = 0; i < kLevels; ++i, span *= kRatio) {
         Level level;
         level.span = span;
+        level.capacity = std::max<std::size_t>(rows, 2);
         levels_.push_back(std::move(level));
     }
 }
@@ -48,7 +49,11 @@ void SignalWindow::add(Level& level, std::int64_t time_ns, std::span<double cons
         ++level.begun;
         level.filled = 0;
     }
-    std::size_t const slot = static_cast<std::size_t>((level.begun - 1) % capacity_);
+    std::size_t slot = static_cast<std::size_t>((level.begun - 1) % level.capacity);
+    if (begin && slot >= level.buckets.size() && !take_entry(level)) {
+        level.capacity = slot; // no more memory: it is a ring from now on
+        slot = 0;
+    }
     if (begin && slot >= level.buckets.size()) { // grows until it is a ring
         level.buckets.resize(slot + 1);
         level.low.resize((slot + 1) * width);
@@ -73,12 +78,31 @@ void SignalWindow::add(Level& level, std::int64_t time_ns, std::span<double cons
     ++level.filled;
 }
 
+/// Memory for one entry more, of what it shares with others; a few there are always.
+bool SignalWindow::take_entry(Level const& level) {
+    constexpr std::size_t kAlways = 64;
+    if (!values_left_) {
+        return true;
+    }
+    bool const is_there = *values_left_ >= values_of(level) || level.buckets.size() < kAlways;
+    *values_left_ -= is_there ? std::min(values_of(level), *values_left_) : 0;
+    return is_there;
+}
+
+std::size_t SignalWindow::values() const {
+    std::size_t out = 0;
+    for (Level const& level : levels_) {
+        out += level.buckets.size() * values_of(level);
+    }
+    return out;
+}
+
 std::size_t SignalWindow::kept(Level const& level) const {
-    return static_cast<std::size_t>(std::min<std::uint64_t>(level.begun, capacity_));
+    return static_cast<std::size_t>(std::min<std::uint64_t>(level.begun, level.capacity));
 }
 
 SignalWindow::Bucket const& SignalWindow::bucket(Level const& level, std::size_t i) const {
-    return level.buckets[static_cast<std::size_t>((level.begun - kept(level) + i) % capacity_)];
+    return level.buckets[static_cast<std::size_t>((level.begun - kept(level) + i) % level.capacity)];
 }
 
 std::int64_t SignalWindow::oldest_ns() const {
@@ -96,14 +120,15 @@ double SignalWindow::value_at(std::size_t column, std::int64_t time_ns) const {
             std::size_t const middle = (low + high) / 2;
             (bucket(level, middle).first_ns <= time_ns ? low : high) = middle;
         }
-        return level.low[static_cast<std::size_t>((level.begun - count + low) % capacity_) * columns_.size() + column];
+        return level
+            .low[static_cast<std::size_t>((level.begun - count + low) % level.capacity) * columns_.size() + column];
     }
     return std::numeric_limits<double>::quiet_NaN();
 }
 
 SignalWindow::Level const& SignalWindow::level_from(std::int64_t from_ns) const {
     for (Level const& candidate : levels_) {
-        if (bucket(candidate, 0).first_ns <= from_ns || candidate.begun <= capacity_) {
+        if (bucket(candidate, 0).first_ns <= from_ns || candidate.begun <= candidate.capacity) {
             return candidate;
         }
     }
@@ -142,12 +167,13 @@ Plot SignalWindow::plot(std::size_t column, std::int64_t from_ns, std::int64_t t
         return out;
     }
     auto const low_of = [&](std::size_t i) {
-        return level->low[static_cast<std::size_t>((level->begun - count + i) % capacity_) * width + column];
+        return level->low[static_cast<std::size_t>((level->begun - count + i) % level->capacity) * width + column];
     };
     auto const high_of = [&](std::size_t i) {
         return level->span == 1
                    ? low_of(i)
-                   : level->high[static_cast<std::size_t>((level->begun - count + i) % capacity_) * width + column];
+                   : level->high[static_cast<std::size_t>((level->begun - count + i) % level->capacity) * width +
+                                 column];
     };
     auto const put = [&](std::int64_t ns, double value) {
         if (ends == Ends::inside) {

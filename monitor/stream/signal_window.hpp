@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,8 +33,10 @@ class SignalWindow {
         std::string name, unit;
         bool steps{false}; ///< rows come when something changes: a value holds until the next
     };
-    /// `rows`: how many entries each of the levels keeps.
-    explicit SignalWindow(std::vector<Column> columns, std::size_t rows = 32768);
+    /// `rows`: how many entries each of the levels keeps. `values_left`: what several windows may still take together;
+    /// when nothing is left, each keeps what it has, a few rows at least.
+    explicit SignalWindow(std::vector<Column> columns, std::size_t rows = 32768,
+                          std::shared_ptr<std::size_t> values_left = nullptr);
 
     [[nodiscard]] std::vector<Column> const& columns() const { return columns_; }
     [[nodiscard]] std::optional<std::size_t> find(std::string_view name) const;
@@ -48,6 +51,8 @@ class SignalWindow {
     /// The value that held at an instant (the lowest of a bucket where only buckets are left); NaN before the first.
     [[nodiscard]] double value_at(std::size_t column, std::int64_t time_ns) const;
     [[nodiscard]] std::uint64_t rows() const { return count_; }
+    /// Values that it has taken.
+    [[nodiscard]] std::size_t values() const;
 
     /// The signal between two instants, with the last point before and the first after them, so that lines reach the
     /// edges.
@@ -61,11 +66,16 @@ class SignalWindow {
     /// Lowest and highest of `span` consecutive rows, per column; a ring.
     struct Level {
         std::uint64_t span{1};
+        std::size_t capacity{0};
         std::vector<Bucket> buckets;
         std::vector<float> low, high; ///< bucket after bucket, column after column
         std::uint64_t begun{0};       ///< buckets ever begun
         std::uint64_t filled{0};      ///< rows in the newest one
     };
+    [[nodiscard]] std::size_t values_of(Level const& level) const { ///< in each entry
+        return columns_.size() * (level.span > 1 ? 2 : 1);
+    }
+    [[nodiscard]] bool take_entry(Level const& level);
     void add(Level& level, std::int64_t time_ns, std::span<double const> values);
     [[nodiscard]] std::size_t kept(Level const& level) const;
     [[nodiscard]] Bucket const& bucket(Level const& level, std::size_t i) const;
@@ -77,7 +87,7 @@ class SignalWindow {
                                                                       std::int64_t to_ns, Ends ends) const;
 
     std::vector<Column> columns_;
-    std::size_t capacity_;
+    std::shared_ptr<std::size_t> values_left_; ///< none: no limit but the rows
     std::vector<Level> levels_;
     std::vector<double> newest_;
     std::int64_t newest_ns_{INT64_MIN};

@@ -21,6 +21,14 @@ from gridspace.declaration import Declared, Reads, Setting, Signal, Writer, Writ
 from gridspace.samples import Kept, Sample, sample_class, sample_type
 
 _OWN = {"settings"}  # in addition to those of the class
+
+
+def _references_of_a_local() -> int:
+    sample = object()
+    return sys.getrefcount(sample)
+
+
+_ALONE = _references_of_a_local()  # whether a call counts what it is given depends on the version of Python
 LEVELS = {"debug": 0, "info": 1, "warning": 2, "error": 3}
 
 
@@ -233,7 +241,7 @@ class _Life:
                 sample = made_of(address)
                 sample.__dict__["_kept"] = None
                 handler(sample)
-                if sys.getrefcount(sample) > 2:  # somebody still looks at it, or at a part: the memory stays as long as it does
+                if sys.getrefcount(sample) > _ALONE:  # somebody still looks at it, or at a part: the memory stays as long as it does
                     sample.__dict__["_kept"] = Kept(address)
             return 0
         except BaseException as e:

@@ -167,9 +167,11 @@ class Run:
             columns[name] = series[~series.index.duplicated(keep="last")]
         table = pandas.DataFrame(columns)
         if every_s is not None:
-            end = int(table.index[-1] / every_s + 1e-9) if len(table) else 0
-            times = pandas.Index([i * every_s for i in range(end + 1)], name="time_s")
-            table = table.ffill().reindex(times, method="ffill")
+            # In whole nanoseconds, as rows are stamped: as binary fractions 3 * 0.3 is before 0.9, and a row about 0.9 s would not count.
+            table.index = [round(t * 1e9) for t in table.index]
+            end = int((table.index[-1] + 0.5) / (every_s * 1e9)) if len(table) else 0
+            table = table.ffill().reindex([round(i * every_s * 1e9) for i in range(end + 1)], method="ffill")
+            table.index = pandas.Index([i * every_s for i in range(end + 1)], name="time_s")
         return table
 
     @property

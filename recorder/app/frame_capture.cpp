@@ -198,7 +198,9 @@ void FrameCapture::capture() {
 
 void FrameCapture::fetch() {
     for (std::size_t i = 0; i < ports_.size(); ++i) {
-        for (std::size_t n = 0; (n = ports_[i].socket->receive(batch_)) > 0;) {
+        auto& socket = *ports_[i].socket;
+        for (std::size_t n = 0, times = 0; times < ethernet::kMostBatches && (n = socket.receive(batch_)) > 0;
+             ++times) {
             for (std::size_t k = 0; k < n; ++k) {
                 ethernet::ReceivedFrame const& frame = batch_[k];
                 Way const& way = frame.outgoing ? ports_[i].out : ports_[i].in;

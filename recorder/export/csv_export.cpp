@@ -12,6 +12,7 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace gridspace {
 namespace {
@@ -29,17 +30,42 @@ std::string column_name(std::string_view path) {
     return out;
 }
 
-/// A topic of somebody else's may be called "rt/chatter".
-std::string file_name(std::string topic) {
-    std::replace(topic.begin(), topic.end(), '/', '_');
-    return topic;
-}
+/// The tables of an export.
+class Tables {
+  public:
+    explicit Tables(std::filesystem::path folder) : folder_{std::move(folder)} {}
 
-/// Never through a link to somewhere else.
-std::ofstream fresh_file(std::filesystem::path const& file) {
-    std::error_code ignored;
-    std::filesystem::remove(file, ignored);
-    return std::ofstream{file};
+    /// A new one, never through a link to somewhere else. A topic of somebody else's may be called "rt/chatter", and
+    /// another one "rt_chatter": the second of a name gets a number.
+    std::ofstream begin(std::string topic) {
+        std::replace(topic.begin(), topic.end(), '/', '_');
+        std::string name = topic;
+        for (int number = 2; !names_.insert(name).second; ++number) {
+            name = fmt::format("{}_{}", topic, number);
+        }
+        files_.push_back(folder_ / (name + ".csv"));
+        std::error_code ignored;
+        std::filesystem::remove(files_.back(), ignored);
+        return std::ofstream{files_.back()};
+    }
+    [[nodiscard]] std::vector<std::filesystem::path> const& files() const { return files_; }
+
+  private:
+    std::filesystem::path folder_;
+    std::set<std::string> names_;
+    std::vector<std::filesystem::path> files_;
+};
+
+/// As RFC 4180 says.
+std::string quoted(std::string text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) {
+        return text;
+    }
+    std::string out = "\"";
+    for (char const c : text) {
+        out += c == '"' ? "\"\"" : std::string{c};
+    }
+    return out + "\"";
 }
 
 std::string cell(idl::Type const& type, idl::Value const& value) {
@@ -51,15 +77,7 @@ std::string cell(idl::Type const& type, idl::Value const& value) {
             }
         }
     }
-    std::string text = idl::to_text(value);
-    if (text.find_first_of(",\"\n") != std::string::npos) {
-        std::string quoted = "\"";
-        for (char const c : text) {
-            quoted += c == '"' ? "\"\"" : std::string{c};
-        }
-        return quoted + "\"";
-    }
-    return text;
+    return quoted(idl::to_text(value));
 }
 
 /// A topic's table; columns are found in a first pass, because sequences have different lengths.
@@ -93,8 +111,7 @@ bool is_signal_topic(std::string const& topic) {
     return topic == "signals" || topic == "signal_catalog";
 }
 
-Result<void> write_signals(std::filesystem::path const& mcap, std::filesystem::path const& folder,
-                           std::vector<std::filesystem::path>& files) {
+Result<void> write_signals(std::filesystem::path const& mcap, Tables& written) {
     auto const store = read_signals(mcap, [](std::string const&) { return true; });
     if (!store) {
         return std::unexpected{store.error()};
@@ -106,10 +123,12 @@ Result<void> write_signals(std::filesystem::path const& mcap, std::filesystem::p
     }
     int number = 0;
     for (auto const& [times, names] : groups) {
-        std::string const suffix = groups.size() == 1 ? "" : fmt::format("_{}", ++number);
-        files.push_back(folder / fmt::format("signals{}.csv", suffix));
-        std::ofstream stream = fresh_file(files.back());
-        stream << "time_s," << join(names, ",") << "\n";
+        std::ofstream stream = written.begin(groups.size() == 1 ? "signals" : fmt::format("signals_{}", ++number));
+        stream << "time_s";
+        for (std::string const& name : names) {
+            stream << ',' << quoted(name);
+        }
+        stream << '\n';
         for (std::size_t i = 0; i < times.size(); ++i) {
             stream << shortest(static_cast<double>(times[i]) / 1e9);
             for (std::string const& name : names) {
@@ -118,7 +137,7 @@ Result<void> write_signals(std::filesystem::path const& mcap, std::filesystem::p
             stream << '\n';
         }
         if (!stream) {
-            return fail(ExitCode::environment, fmt::format("cannot write '{}'", files.back().string()));
+            return fail(ExitCode::environment, fmt::format("cannot write '{}'", written.files().back().string()));
         }
     }
     return {};
@@ -169,6 +188,7 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
     std::error_code error;
     std::filesystem::create_directories(folder, error); // not for a recording that is none
     CsvExport out;
+    Tables written{folder};
     if (!outcome->complete) {
         out.notes.push_back(fmt::format("the recording is incomplete: {}", outcome->note));
     }
@@ -180,8 +200,7 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
         if (!table.readable()) {
             continue;
         }
-        out.files.push_back(folder / (file_name(topic) + ".csv"));
-        table.stream = fresh_file(out.files.back());
+        table.stream = written.begin(topic);
         table.stream << "time_s,process";
         for (std::string const& column : table.columns) {
             table.stream << ',' << column_name(column);
@@ -192,7 +211,11 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
         if (is_signal_topic(m.channel.topic)) {
             return true;
         }
-        Table& table = tables.at(m.channel.topic);
+        auto const found = tables.find(m.channel.topic);
+        if (found == tables.end()) {
+            return true; // it is being recorded, and this topic has just begun
+        }
+        Table& table = found->second;
         Cells cells;
         cells.table = &table;
         cells.row.resize(table.columns.size());
@@ -201,7 +224,7 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
         }
         auto const process = m.channel.metadata.find("process");
         double const t = static_cast<double>(static_cast<std::int64_t>(m.time_ns) - epoch_ns) / 1e9;
-        table.stream << shortest(t) << ',' << (process == m.channel.metadata.end() ? "" : process->second);
+        table.stream << shortest(t) << ',' << (process == m.channel.metadata.end() ? "" : quoted(process->second));
         for (std::string const& text : cells.row) {
             table.stream << ',' << text;
         }
@@ -214,9 +237,10 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
                         fmt::format("cannot write the table of '{}' into '{}'", topic, folder.string()));
         }
     }
-    if (auto ok = write_signals(mcap, folder, out.files); !ok) {
+    if (auto ok = write_signals(mcap, written); !ok) {
         return std::unexpected{ok.error()};
     }
+    out.files = written.files();
     return out;
 }
 

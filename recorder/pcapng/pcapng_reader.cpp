@@ -14,6 +14,9 @@ namespace {
 constexpr std::uint32_t kSection = 0x0A0D0D0A, kInterface = 1, kPacket = 2, kSimplePacket = 3, kEnhancedPacket = 6;
 constexpr std::uint32_t kMicro = 0xA1B2C3D4, kNano = 0xA1B23C4D, kModified = 0xA1B2CD34, kOrder = 0x1A2B3C4D;
 constexpr std::size_t kLargestBlock = 16U << 20U;
+constexpr std::size_t kMostInterfaces = 65'536;
+// Of a compressed file, as of a recording (recorder/mcap/mcap_format.hpp): so many octets, and so many for each of it.
+constexpr std::uint64_t kDecompressed = 256ULL << 20U, kDecompressedPerOctet = 200;
 
 constexpr std::size_t padded(std::size_t octets) {
     return (octets + 3) & ~std::size_t{3};
@@ -57,6 +60,10 @@ std::unexpected<Error> Reader::not_decompressed() const {
 
 bool Reader::read(std::size_t octets) {
     if (octets > left_) { // no memory for what a damaged length promises
+        if (compressed_) {
+            broken_ = fmt::format("it becomes more than {} octets, and {} for each of its own", kDecompressed,
+                                  kDecompressedPerOctet);
+        }
         truncated_ = truncated_ || left_ != 0;
         return false;
     }
@@ -97,7 +104,10 @@ Result<Reader> Reader::open(std::filesystem::path const& file) {
         return fail(ExitCode::usage, fmt::format("'{}' is a folder", out.name_), "expected a capture: pcapng or pcap");
     }
     out.left_ = std::filesystem::file_size(file, ec);
-    if (ec || ::gzdirect(static_cast<gzFile>(out.file_.get())) == 0) { // a pipe, or compressed: as far as it goes
+    out.compressed_ = !ec && ::gzdirect(static_cast<gzFile>(out.file_.get())) == 0;
+    if (out.compressed_) {
+        out.left_ = kDecompressed + kDecompressedPerOctet * out.left_;
+    } else if (ec) { // a pipe: as far as it goes
         out.left_ = ~std::uint64_t{0};
     }
     if (!out.read(4)) {
@@ -238,6 +248,9 @@ Result<void> Reader::section_header(std::uint32_t length) {
 Result<void> Reader::interface_block() {
     if (block_.size() < 8) {
         return damaged("an interface without its link type");
+    }
+    if (interfaces_.size() >= kMostInterfaces) {
+        return damaged(fmt::format("more than {} interfaces", kMostInterfaces));
     }
     Interface out;
     out.link_type = number<std::uint16_t>(block_.data());

@@ -42,7 +42,8 @@ struct Frame {
 
 /// Reads captures frame by frame: pcapng (enhanced, simple and the old packet blocks) and classic pcap (micro- and
 /// nanoseconds, and the "modified" one of A. Kuznetzov, 0xa1b2cd34), either byte order, also compressed by gzip. Memory
-/// is bounded by one block, at most 16 MB. A file that was cut off in the middle (a crash, a full disk) gives its whole
+/// is bounded by one block, at most 16 MB, and 65,536 interfaces. A compressed file may become 256 MiB, and 200 octets
+/// for each of its own. A file that was cut off in the middle (a crash, a full disk) gives its whole
 /// frames and `truncated()`.
 class Reader {
   public:
@@ -88,9 +89,9 @@ class Reader {
 
     std::unique_ptr<void, Close> file_; ///< zlib's, which reads what is not compressed as it is
     std::string name_;
-    std::uint64_t offset_{0}, left_{0}; ///< octets of the file that were not read
+    std::uint64_t offset_{0}, left_{0}; ///< octets of the file that were not read, or may still be decompressed
     std::string broken_;                ///< what is wrong with its compression
-    bool begun_{false};
+    bool compressed_{false}, begun_{false};
     bool classic_{false}, swapped_{false}, truncated_{false};
     std::size_t record_head_{16}; ///< of a classic file: the "modified" one says 8 octets more, which nobody needs
     std::vector<Interface> interfaces_;

@@ -41,11 +41,14 @@ SignalSeries of_messages(SignalStore const& signals, std::string const& stream, 
     if (std::find(n.begin(), n.end(), nullptr) != n.end()) {
         return out;
     }
+    // A recording may come from somebody else: nothing says that the columns are equally long.
+    std::size_t const sends = std::min({sent.values.size(), n[0]->values.size(), n[1]->values.size()});
+    std::size_t const hears = std::min({heard.values.size(), n[2]->values.size(), n[3]->values.size()});
     std::map<std::pair<double, double>, double> sent_at;
-    for (std::size_t i = 0; i < sent.values.size(); ++i) {
+    for (std::size_t i = 0; i < sends; ++i) {
         sent_at[{n[0]->values[i], n[1]->values[i]}] = sent.values[i];
     }
-    for (std::size_t i = 0; i < heard.values.size(); ++i) {
+    for (std::size_t i = 0; i < hears; ++i) {
         if (auto const it = sent_at.find({n[2]->values[i], n[3]->values[i]}); it != sent_at.end()) {
             out.times_ns.push_back(heard.times_ns[i]);
             out.values.push_back(heard.values[i] - it->second);

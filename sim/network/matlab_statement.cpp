@@ -259,6 +259,9 @@ class Statement {
             return whole;
         }
         Part const part = indices(whole);
+        if (part.first.empty() || part.second.empty()) {
+            throw MatlabMistake{"nothing is selected"};
+        }
         MatlabMatrix out;
         for (std::size_t const r : part.first) {
             out.emplace_back();

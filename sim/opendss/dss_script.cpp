@@ -7,6 +7,7 @@
 #include "sim/opendss/dss_commands.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <fmt/format.h>
 
@@ -424,15 +425,22 @@ class Interpreter {
     }
 
     // ---- options ----
+    /// Of those that are read, the one that this is the beginning of; OpenDSS takes beginnings of names, too.
+    static std::string whole_option(std::string const& name) {
+        static constexpr std::array<std::string_view, 9> kRead{
+            "mode",        "frequency",    "basefrequency", "defaultbasefrequency", "loadmult", "maxcontroliter",
+            "controlmode", "voltagebases", "earthmodel"};
+        auto const begins = [&](std::string_view option) { return option.starts_with(name); };
+        auto const found = std::ranges::find_if(kRead, begins);
+        return name.size() > 2 && found != kRead.end() ? std::string{*found} : name;
+    }
     void set(std::vector<Word>& words) {
         for (Word& word : words) {
             if (word.name.empty()) {
                 error(word.where, fmt::format("'{}' is not an option", word.value), "expected set option=value");
                 continue;
             }
-            if (std::string_view{"mode"}.starts_with(word.name) && word.name.size() > 2) {
-                word.name = "mode";
-            }
+            word.name = whole_option(word.name);
             script_.options[word.name] = word;
         }
     }

@@ -3,6 +3,7 @@
 //
 // IDL, CDR and recordings of strangers: the recorder, the monitor and the verbs on a run read them.
 #include "common/idl/cdr_visitor.hpp"
+#include "common/idl/key.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
 #include "targets.hpp"
 
@@ -35,6 +36,7 @@ void idl(std::uint8_t const* data, std::size_t size) {
         (void)visit(*model, i, sample, count);
         (void)find_integer(*model, i, sample, "time_ns");
         (void)model->is_keyed(i);
+        (void)KeyFinder{*model, i}.key_of(sample);
     }
 }
 

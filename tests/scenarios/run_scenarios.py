@@ -105,7 +105,7 @@ def main():
 
     wanted = json.loads((pathlib.Path(__file__).parent / "scenarios.json").read_text())
     here = pathlib.Path(__file__).parent
-    files = [f for folder in (ROOT / "configs" / "scenarios", here / "misbehaviour", here / "attacks", here / "controls", here / "relays", here / "islanding") for f in sorted(folder.glob("*.yaml"))]
+    files = [f for folder in (ROOT / "configs" / "scenarios", here / "misbehaviour", here / "attacks", here / "controls", here / "relays", here / "islanding", here / "clock") for f in sorted(folder.glob("*.yaml"))]
     failures = [f"{f.name} is a scenario, but tests/scenarios/scenarios.json does not say what must come out" for f in files if f.stem not in wanted]
     failures += [f"scenarios.json names {name}, but there is no such scenario file" for name in wanted if name not in {f.stem for f in files}]
     folder = arguments.keep or pathlib.Path(tempfile.mkdtemp(prefix="gridspace_scenarios_"))

@@ -98,15 +98,15 @@ Result<void> read_manifest(RunSource& run) {
     }
     Json const clock = part_of(manifest, "clock"), made_by = part_of(manifest, "gridspace"),
                network = part_of(part_of(manifest, "files"), "network");
-    run.scenario = value_of(manifest, "scenario", std::string{});
+    run.scenario = text_of(manifest, "scenario");
     run.seed = value_of(manifest, "seed", std::int64_t{0});
     run.simulated_s = value_of(manifest, "simulated_s", 0.0);
-    run.lockstep = value_of(clock, "mode", std::string{}) == "lockstep";
-    run.epoch_ns = parse_utc(value_of(clock, "epoch", std::string{})).value_or(0) * 1'000'000'000;
+    run.lockstep = text_of(clock, "mode") == "lockstep";
+    run.epoch_ns = parse_utc(text_of(clock, "epoch")).value_or(0) * 1'000'000'000;
     run.version = value_of(made_by, "version", std::string{"unknown"});
     run.commit = value_of(made_by, "commit", std::string{"unknown"});
-    run.grid = fs::path{value_of(network, "path", std::string{})}.stem().string();
-    run.network_sha256 = value_of(network, "sha256", std::string{});
+    run.grid = fs::path{text_of(network, "path")}.stem().string();
+    run.network_sha256 = text_of(network, "sha256");
     if (run.grid.empty()) {
         run.grid = "none";
     }

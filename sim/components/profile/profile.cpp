@@ -47,8 +47,8 @@ void Profile::fields(Fields& f) {
             f.error("csv", read.error().message, read.error().remedy);
         }
     }
-    int const kinds = (hours.empty() ? 0 : 1) + (half_sine ? 1 : 0);
-    if (kinds != 1 && !f.has("csv")) {
+    int const kinds = (f.has("csv") ? 1 : hours.empty() ? 0 : 1) + (half_sine ? 1 : 0);
+    if (kinds != 1 || (f.has("csv") && f.has("hours"))) {
         f.error("", fmt::format("profile '{}' needs points (hours and values), a csv, or a half_sine", name.name));
     }
     if (hours.size() != values.size()) {

@@ -279,7 +279,7 @@ TEST_F(Strangers, AWriterThatTheScenarioDoesNotNameEndsTheRunByName) {
     EXPECT_THAT(sim.said(), HasSubstr("a writes 'requests', which the scenario does not say"));
 }
 
-TEST_F(Strangers, InRealTimeHaveTheirOwnNamesInWhatIsTaken) {
+TEST_F(Strangers, InRealTimeHaveTheirOwnNamesInWhatIsTakenAndNothingElseIs) {
     NodeConfig configuration = config("recorder", {});
     configuration.clock.mode = ClockMode::realtime;
     configuration.clock.simulator.clear();
@@ -297,6 +297,7 @@ TEST_F(Strangers, InRealTimeHaveTheirOwnNamesInWhatIsTaken) {
         while (writers.back()->matched().empty()) {
             std::this_thread::sleep_for(std::chrono::milliseconds{1});
         }
+        writers.back()->write_cdr(std::vector{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}}, std::nullopt);
         ChargingRequest const request;
         writers.back()->write(&request, std::nullopt);
     }

@@ -8,7 +8,9 @@ import os
 import pathlib
 import subprocess
 import sys
+import types
 import unittest
+import unittest.mock
 
 SYSTEM = "/usr/bin/python3"
 if importlib.util.find_spec("pandas") is None and sys.executable != SYSTEM:
@@ -41,6 +43,11 @@ class Tables(harness.ScenarioTest):
         for time_s in (600, 4200, 7200):
             for name in even:
                 self.assertEqual(even[name][time_s], run.signal(name).at(time_s))
+        rows = {"s": types.SimpleNamespace(time_s=[0, 0.3, 0.6, 0.9], values=[0, 1, 2, 3]),
+                "w": types.SimpleNamespace(time_s=[round(i / 4800, 9) for i in range(4800)], values=range(4800))}
+        for name, every_s in (("s", 0.3), ("w", 1 / 4800)):  # multiples of every_s are binary fractions, a little beside the rows
+            with unittest.mock.patch.object(type(run), "signals", lambda *_, name=name: {name: rows[name]}):
+                self.assertEqual(run.frame(name, every_s=every_s)[name].tolist(), list(rows[name].values))
         events = pandas.DataFrame(run.events)
         self.assertEqual(events[events.text == "ev4 killed"].time_s.tolist(), [3600])
         self.assertEqual(pandas.DataFrame(run.expectations).passed.tolist(), [True])

@@ -211,6 +211,21 @@ TEST_F(Carry, WhoComesLateGetsTheLastSampleOfEveryInstance) {
     EXPECT_EQ(late.heard("bus_measurements"), std::size_t{kBuses});
 }
 
+TEST_F(Carry, ATopicThatComesBackWithAnotherTypeIsCarriedAgain) {
+    Program right{"right", 2};
+    RunningRouter sut{kTwo};
+    {
+        Program old{"old_firmware", 1};
+        old.writes("x", qos(true), "OldOctets");
+        ASSERT_TRUE(sut.wait_for("carries x a"));
+    }
+    ASSERT_TRUE(sut.wait_for("stops x a"));
+    Program left{"left", 1};
+    auto& writer = left.writes("x");
+    right.reads("x");
+    warm_up(writer, right, "x");
+}
+
 TEST_F(Carry, TheIdlOfACarriedTypeGoesAlongAndThatOfOthersDoesNot) {
     Program left{"left", 1}, right{"right", 2};
     RunningRouter sut{kTwo};

@@ -41,6 +41,19 @@ class OwnProgram(harness.ScenarioTest):
         self.assertEqual(code, harness.OK, out + err)
         self.assertIn("identical", out)
 
+    def test_what_it_says_to_its_launcher_may_be_anything(self):
+        """Members of another kind, a word that only the simulator may say, brackets without end, a line without end."""
+        odd = self.script("odd_ev_agent", rf"""case "$*" in *--status-fd*)
+            printf '%s\n' '{{"status":1}}' '{{"status":"event","time_s":null,"source":7,"text":[]}}' '{{"status":"hold","index":0}}' '{{"status":"progress","time_s":"x"}}' >&3
+            printf '{{"status":"event","text":' >&3; head -c 60000 /dev/zero | tr '\0' '[' >&3; head -c 60000 /dev/zero | tr '\0' ']' >&3; printf '}}\n' >&3
+            head -c 300000 /dev/zero | tr '\0' x >&3; echo >&3;;
+        esac
+        exec {harness.BIN}/gridspace-ev "$@" """)
+        ours = self.run_to_end("ours", SHORT)
+        theirs = self.run_to_end("theirs", SHORT, scenario=self.scenario(ev1={"program": {"path": str(odd)}}))
+        code, out, err = harness.gridspace("compare", ours.folder, theirs.folder)
+        self.assertEqual(code, harness.OK, out + err)
+
     def test_its_settings_are_checked_where_they_are_written(self):
         agent = {"path": str(harness.BIN / "gridspace-ev")}
         self.refused("unknown key 'perod_s'", ev1={"program": agent, "perod_s": 3})

@@ -29,6 +29,43 @@ int main(void) {
 }
 """
 
+SLEEPS = r"""
+#include <limits.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+static int ends[2];
+static void nothing(int s) { (void)s; }
+static long ms(void) { struct timespec t; clock_gettime(CLOCK_MONOTONIC, &t); return t.tv_sec * 1000 + t.tv_nsec / 1000000; }
+static void *say(void *unused) { if (write(ends[1], "x", 1) != 1) exit(2); return unused; }
+static void *end_all(void *unused) { usleep(500000); printf("ended at %ld ms\n", ms()); exit(0); return unused; }
+int main(void) {
+    signal(SIGALRM, nothing);
+    struct itimerval every = {{0, 300000}, {0, 300000}}, never = {{0, 0}, {0, 0}};
+    setitimer(ITIMER_REAL, &every, NULL);
+    struct timespec left = {1, 0}, for_ever = {LONG_MAX, 0};
+    int times = 0;
+    while (nanosleep(&left, &left) != 0) ++times;
+    setitimer(ITIMER_REAL, &never, NULL);
+    printf("interrupted %d times, awake at %ld ms\n", times, ms());
+    if (pipe(ends) != 0) return 1;
+    pthread_t other;
+    pthread_create(&other, NULL, say, NULL);
+    struct pollfd looks = {ends[0], POLLIN, 0};
+    while (poll(&looks, 1, 0) == 0) { }
+    puts("something came");
+    pthread_create(&other, NULL, end_all, NULL);
+    nanosleep(&for_ever, NULL);
+    puts("for ever is over");
+    return 1;
+}
+"""
+
 KILLED = """
 #include <pthread.h>
 #include <signal.h>
@@ -298,6 +335,11 @@ class Timebox(unittest.TestCase):
             self.assertEqual(done.returncode, 3, "the program's own")
             self.assertEqual(stamps, [f"{EPOCH + k * 10**9 // 4800 // 10**9}.{k * 10**9 // 4800 % 10**9:09d}" for k in range(1, 4801)])
             self.assertIn("1.000000100 s simulated", done.stderr, "the last look took 100 ns")
+
+    def test_an_interrupted_sleep_says_what_is_left_one_for_ever_lasts_and_who_only_looks_lets_others_act(self):
+        done = self.box(self.compiled(SLEEPS))
+        self.assertEqual(done.stdout, "interrupted 3 times, awake at 1000 ms\nsomething came\nended at 1500 ms\n", done.stderr)
+        self.assertEqual(done.returncode, 0)
 
     def test_threads_with_a_condition_variable_meet_at_the_instants_that_arithmetic_says(self):
         lines = self.box(self.compiled(THREADS)).stdout.splitlines()

@@ -59,6 +59,15 @@ TEST(Expression, ComparisonsWithWhatIsNotKnownAreFalse) {
     EXPECT_EQ(value_of("a.b.c <= 0", signals), 0);
 }
 
+TEST(Expression, TheSmallestAndTheLargestAreOfWhatIsKnownInAnyOrder) {
+    double const nan = std::numeric_limits<double>::quiet_NaN();
+    for (std::vector<double> const& values : {std::vector{nan, 2., 3.}, {2., nan, 3.}, {3., 2., nan}}) {
+        EXPECT_EQ(value_of("min(r.*.ohm)", {{"r.*.ohm", values}}), 2);
+        EXPECT_EQ(value_of("max(r.*.ohm)", {{"r.*.ohm", values}}), 3);
+    }
+    EXPECT_EQ(value_of("min(r.*.ohm) < 5", {{"r.*.ohm", {nan, nan}}}), 0);
+}
+
 TEST(Expression, NothingIsTrueOfADivisionByZero) {
     EXPECT_TRUE(std::isnan(value_of("1 / 0 > 1")));
     EXPECT_TRUE(std::isnan(value_of("not (0 / 0 > 1)")));
@@ -107,6 +116,18 @@ TEST(Expression, NestingCannotOverflowTheStack) {
         }
         EXPECT_FALSE(Expression::parse(text)) << part;
     }
+}
+
+TEST(Expression, LengthCannotOverflowTheStackAndIsReadAtOnce) {
+    std::string longest = "1", text = "1";
+    for (int i = 0; i < 50'000; ++i) {
+        longest += i < 900 ? "+1" : "";
+        text += "+1";
+    }
+    EXPECT_EQ(value_of(longest), 901);
+    auto const sut = Expression::parse(text);
+    ASSERT_FALSE(sut);
+    EXPECT_NE(sut.error().message.find("more than 2000 words"), std::string::npos) << sut.error().message;
 }
 
 } // namespace

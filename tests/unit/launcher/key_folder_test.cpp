@@ -70,6 +70,19 @@ TEST_F(Keys, ItIsSaidWhatIsWrongWithAnIdentity) {
     EXPECT_EQ(why_not({"relay"}), "found");
 }
 
+TEST_F(Keys, AuthoritiesOutliveIdentitiesAndNoIdentityOutlivesThem) {
+    std::int64_t const later = kValid.until_unix_s + 1;
+    ASSERT_TRUE(sut().issue("relay", {kValid.from_unix_s, later + 1000}));
+    EXPECT_EQ(why_not({"relay"}, later), "found");
+    EXPECT_THAT(why_not({"ev_agent"}, later), HasSubstr("expired at 2027-01-15"));
+    std::int64_t const end = kValid.from_unix_s + kTwentyYears;
+    auto const refused = sut().issue("relay", {kValid.from_unix_s, end + 1});
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(describe(refused.error()), HasSubstr("would outlive the authority"));
+    ASSERT_TRUE(sut().issue("relay", {kValid.from_unix_s, end}));
+    EXPECT_THAT(why_not({"relay"}, end + 1), HasSubstr("the authority 'identities' of"));
+}
+
 TEST_F(Keys, AnIdentityOfAnotherAuthorityIsRefused) {
     fs::path const other = folder_.string() + "-other";
     fs::remove_all(other);

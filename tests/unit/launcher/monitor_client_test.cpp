@@ -135,6 +135,21 @@ TEST(DomainLock, PairsAreHandedOutOnceAndComeBack) {
     EXPECT_EQ(again->first(), second->first() - 2);
 }
 
+TEST(DomainLock, ALinkInTheFolderIsPassedOverAndWhatItNamesIsLeftAlone) {
+    TemporaryFolder const folder;
+    auto const victim = folder.path() / "victim";
+    std::ofstream{victim} << "x";
+    std::filesystem::permissions(victim, std::filesystem::perms::owner_read);
+    std::filesystem::create_symlink(victim, folder.path() / "2");
+    std::filesystem::create_symlink(folder.path() / "nothing", folder.path() / "4");
+    std::filesystem::create_directory(folder.path() / "6");
+    auto const lock = DomainLock::take(folder.path());
+    ASSERT_TRUE(lock);
+    EXPECT_EQ(lock->first(), 8);
+    EXPECT_EQ(std::filesystem::status(victim).permissions(), std::filesystem::perms::owner_read);
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "nothing"));
+}
+
 TEST(DomainLock, AFolderThatCannotBeWrittenIsNamedAndAFullOneToo) {
     TemporaryFolder const folder;
     std::ofstream{folder.path() / "file"} << "x";

@@ -89,6 +89,20 @@ TEST(ReportFigures, AnExpressionIsOneLineAndItsRootMeanSquareIsOverTheWindow) {
               (std::vector<double>{3, std::sqrt(12.5), std::sqrt(8)}));
 }
 
+TEST(ReportFigures, ARootMeanSquareIsUnknownWhereAValueOfItsWindowIsAndKnownAgainBehind) {
+    double const nan = std::numeric_limits<double>::quiet_NaN();
+    auto const rms = sliding_rms({0, kSecond, 2 * kSecond, 3 * kSecond}, {3, nan, 4, 4}, 2);
+    EXPECT_EQ(rms[0], 3);
+    EXPECT_TRUE(std::isnan(rms[1]));
+    EXPECT_TRUE(std::isnan(rms[2]));
+    EXPECT_EQ(rms[3], 4);
+}
+
+TEST(ReportFigures, APatternOfManyStarsIsComparedAtOnce) {
+    EXPECT_EQ(captures("a*c*.d", "abcc.d"), (std::vector<std::string>{"b", "c"}));
+    EXPECT_FALSE(captures("a*a*a*a*a*a*a*a*a*a*a*a*a*a*.b", std::string(90, 'a') + ".c"));
+}
+
 TEST(ReportFigures, AWindowIsRelativeToAnEventAndSoAreItsTimes) {
     auto const sut = drawn("    w: {signals: [ct.*.i.a], from: fault - 2 s, until: fault + 1 s, zero: fault}\n");
     EXPECT_EQ(sut[0].from_s, 3);

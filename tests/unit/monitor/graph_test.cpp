@@ -238,6 +238,26 @@ TEST(GraphModel, DoesNotBlameAnybodyForAReaderOfTheMonitor) {
     EXPECT_THAT(edge(graph, "stranger").problems, ElementsAre(HasSubstr("mcca does not get it: reliability")));
 }
 
+TEST(GraphModel, OfThousandsOfEndpointsThatDoNotMatchKeepsABoundedNumberOfReasons) {
+    GraphModel model;
+    for (int i = 0; i < 4000; ++i) {
+        bool const writes = i % 2 == 0;
+        std::string const id = std::to_string(i);
+        model.participant_found("data", {"p" + id, {"process" + id, 0, "x"}, {}});
+        auto one = endpoint("e" + id, "p" + id, writes);
+        one.qos.reliable = !writes;
+        one.qos.deadline_s = writes ? -1 : 1 + i % 200; // kinds without end
+        model.endpoint_found("data", one);
+    }
+    Snapshot const graph = model.snapshot();
+    ASSERT_EQ(graph.edges.size(), 4000U);
+    for (Edge const& e : graph.edges) {
+        EXPECT_FALSE(e.matched);
+        EXPECT_LE(e.problems.size(), 64U);
+    }
+    EXPECT_EQ(edge(graph, "process0").problems.size(), 64U);
+}
+
 TEST(GraphModel, KnowsWhoElseBearsTheNameOfAProcess) {
     GraphModel sut = pair();
     bus::Peer const ev1{"ev1", 0, "gridspace-ev"};

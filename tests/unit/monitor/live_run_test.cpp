@@ -4,6 +4,7 @@
 
 #include "bus/codec.hpp"
 
+#include <catalog.h>
 #include <clock.h>
 #include <gmock/gmock.h>
 #include <intrusion.h>
@@ -162,6 +163,44 @@ TEST_F(LiveRunTest, KeepsNoMoreOctetsOfATopicWhenItsSamplesGrow) {
     EXPECT_EQ(come(1'000'000), 1'000'000U) << "the newest is always kept";
     EXPECT_EQ(come(100), 100U);
     EXPECT_EQ(newest.back().number, 202U);
+}
+
+TEST_F(LiveRunTest, KeepsLargeSamplesOfSomeTopicsOnly) {
+    constexpr std::size_t kLarge = 15U << 20U, kAll = 64U << 20U;
+    for (int i = 0; i < 10; ++i) {
+        sut_.on_sample("data", "x" + std::to_string(i), "Unknown", "p", std::vector<std::byte>(kLarge), 0);
+        sut_.on_sample("data", "x" + std::to_string(i), "Unknown", "p", std::vector<std::byte>(kLarge), 0);
+    }
+    std::size_t kept = 0;
+    for (auto const& [key, topic] : sut_.topics) {
+        kept += topic.newest_octets;
+        EXPECT_EQ(topic.samples, 2U);
+    }
+    EXPECT_GT(kept, kLarge);
+    EXPECT_LE(kept, kAll);
+    EXPECT_FALSE(sut_.events.empty());
+}
+
+TEST_F(LiveRunTest, KeepsABoundedLengthOfIdl) {
+    TypeCatalogEntry entry;
+    auto const said = [&](std::string const& type, std::size_t octets) {
+        entry.type_name(type.c_str());
+        entry.idl(std::string(octets, ' '));
+        hear("type_catalog", "TypeCatalogEntry", "p", entry);
+    };
+    said("Long", 300'000);
+    EXPECT_FALSE(sut_.idl.contains("Long"));
+    for (int i = 0; i < 100; ++i) {
+        said("T" + std::to_string(i), 200'000);
+        said("T0", 100'000 + static_cast<std::size_t>(i)); // a newer text of one that is known
+    }
+    std::size_t kept = 0;
+    for (auto const& [type, text] : sut_.idl) {
+        kept += text.size();
+    }
+    EXPECT_LE(kept, 16U << 20U);
+    EXPECT_GT(kept, 15U << 20U);
+    EXPECT_EQ(sut_.idl.at("T0").size(), 100'099U);
 }
 
 TEST_F(LiveRunTest, CountsOnForTheStreamsThatItKnowsWhenThereIsNoRoomForMore) {

@@ -3,6 +3,7 @@
 #include "monitor/stream/signal_window.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <gmock/gmock.h>
 
@@ -127,6 +128,27 @@ TEST(SignalWindow, AnswersForNothingWhenThereIsNothing) {
     EXPECT_TRUE(sut.plot(0, 0, 10, 10).values.empty());
     EXPECT_TRUE(ramp(3, 10).plot(7, 0, 10, 10).values.empty());
     EXPECT_TRUE(ramp(3, 10).plot(0, 10, 0, 10).values.empty());
+}
+
+TEST(SignalWindow, KeepsLessOfThePastWhereOthersHaveTakenTheMemory) {
+    auto const left = std::make_shared<std::size_t>(2000);
+    SignalWindow sut{{{"x", ""}, {"y", ""}}, 10'000, left}, other{{{"x", ""}}, 10'000, left};
+    for (int i = 0; i < 5000; ++i) {
+        double const x = i;
+        sut.append(i, std::array{x, -x});
+    }
+    EXPECT_LE(sut.values(), 2500U);
+    EXPECT_GT(sut.values(), 1900U);
+    EXPECT_EQ(sut.newest(1), -4999);
+    EXPECT_EQ(sut.value_at(0, 4990), 4990);
+    EXPECT_EQ(sut.plot(0, 4980, 4999, 100, Ends::inside).values.size(), 20U);
+    EXPECT_EQ(sut.oldest_ns(), 0) << "the coarsest level goes back to the beginning";
+    for (int i = 0; i < 100; ++i) { // little is left for it but the first rows
+        double const x = i;
+        other.append(i, std::span{&x, 1});
+        EXPECT_EQ(other.value_at(0, i), x);
+    }
+    EXPECT_LE(other.values(), 64U + 2 * 7 + 2 + 2);
 }
 
 } // namespace

@@ -87,5 +87,14 @@ TEST(MatlabCase, WhatItDoesNotUnderstandIsAnErrorWithALine) {
     EXPECT_EQ(diagnostics.sorted()[0].where.line, 2);
 }
 
+TEST(MatlabCase, ASelectionOfNothingIsAnError) {
+    for (char const* text :
+         {"mpc.bus=[1 3;2 1];\nmpc.bus=mpc.bus([],:);\n", "mpc.bus=[1 3;2 1];\nx=[mpc.bus([],:)];\n"}) {
+        config::Diagnostics diagnostics;
+        (void)read(text, diagnostics);
+        EXPECT_EQ(diagnostics.errors(), 1) << text;
+    }
+}
+
 } // namespace
 } // namespace gridspace::sim

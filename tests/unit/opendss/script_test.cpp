@@ -107,6 +107,13 @@ TEST(DssScript, ClearBeginsAnewAndKeepsTheBaseFrequency) {
     EXPECT_EQ(s.options.at("defaultbasefrequency").value, "50");
 }
 
+TEST(DssScript, AnOptionIsKnownByTheBeginningOfItsName) {
+    Script const s = correct(kCircuit + "Set loadm=0.5 Volt=[4.16] nothing_of_ours=1\n");
+    EXPECT_EQ(s.options.at("loadmult").value, "0.5");
+    EXPECT_TRUE(s.options.contains("voltagebases"));
+    EXPECT_TRUE(s.options.contains("nothing_of_ours"));
+}
+
 TEST(DssScript, BoundsWhatLikeCanMakeOfAShortFile) {
     std::string text = kCircuit + "New Load.l0 kW=1 kvar=2\n";
     for (int i = 1; i <= 64; ++i) { // copies of copies must not double

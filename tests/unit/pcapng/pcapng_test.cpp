@@ -193,6 +193,38 @@ TEST_F(Pcapng, GivesTheWholeFramesOfACompressedFileThatWasCutOffOrDamaged) {
     EXPECT_GT(refused, 1000) << "what is compressed has a checksum";
 }
 
+TEST_F(Pcapng, OfAStrangerBecomesNeitherAnyNumberOfOctetsNorOfInterfaces) {
+    auto const end_of = [&] {
+        auto sut = Reader::open(file_);
+        EXPECT_TRUE(sut);
+        auto const done = sut->each([](Frame&&) {});
+        return done ? std::string{"nothing"} : done.error().message;
+    };
+    auto writer = Writer::create(file_, "test");
+    ASSERT_TRUE(writer);
+    Octets const frame(8U << 20U);
+    ASSERT_TRUE(writer->write(writer->add_interface("x"), kTime, frame));
+    ASSERT_TRUE(writer->close());
+    auto const one = content();
+    file_ = folder_ / "capture.pcapng.gz";
+    gzFile const out = ::gzopen(file_.c_str(), "wb9");
+    constexpr std::size_t kBlock = (8U << 20U) + 32;
+    ASSERT_EQ(::gzwrite(out, one.data(), static_cast<unsigned>(one.size())), static_cast<int>(one.size()));
+    for (int i = 0; i < 45; ++i) { // 368 MiB become a third of one
+        ASSERT_EQ(::gzwrite(out, one.data() + one.size() - kBlock, kBlock), static_cast<int>(kBlock));
+    }
+    ASSERT_EQ(::gzclose(out), Z_OK);
+    EXPECT_THAT(end_of(), testing::HasSubstr("it becomes more than"));
+
+    writer = Writer::create(file_, "test");
+    ASSERT_TRUE(writer);
+    for (int i = 0; i < 70'000; ++i) {
+        (void)writer->add_interface("x");
+    }
+    ASSERT_TRUE(writer->close());
+    EXPECT_THAT(end_of(), testing::HasSubstr("more than 65536 interfaces"));
+}
+
 TEST(CaptureOfARun, IsTheCompressedOneWhereThereIsOne) {
     auto const folder = std::filesystem::path{testing::TempDir()} / "gridspace_capture_of_a_run";
     std::filesystem::create_directories(folder);

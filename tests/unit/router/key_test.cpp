@@ -7,6 +7,7 @@
 
 #include <bus_gateway.h>
 #include <catalog.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <statistics.h>
 
@@ -79,6 +80,23 @@ TEST(KeyFinder, AKeyWithoutABoundIsNeverShort) {
     EXPECT_FALSE((KeyFinder{*model, *model->find("S")}.is_short()));
     EXPECT_TRUE((KeyFinder{*model, *model->find("Q")}.is_short()));
     EXPECT_FALSE((KeyFinder{*model, *model->find("R")}.is_short()));
+}
+
+TEST(KeyFinder, AKeyThatGrowsWithEachStructIsNotFollowedToItsEnd) {
+    std::string keys = "struct L0 { @key long a, b, c, d; };\n", nothing = "struct E0 {};\n";
+    for (int i = 1; i <= 16; ++i) {
+        keys += fmt::format("struct L{} {{ @key L{} a, b, c, d; }};\n", i, i - 1);
+        nothing += fmt::format("struct E{} {{ E{} a, b, c, d; }};\n", i, i - 1);
+    }
+    auto const model = parse(keys + nothing + "struct T { @key E14 a; @key long b; };");
+    ASSERT_TRUE(model) << model.error().message;
+    KeyFinder const sut{*model, *model->find("L16")};
+    EXPECT_FALSE(sut.is_short());
+    EXPECT_FALSE(sut.covers("a.a"));
+    auto const key = sut.key_of(octets({0, 1, 0, 0}));
+    ASSERT_FALSE(key);
+    EXPECT_NE(key.error().message.find("too many members"), std::string::npos) << key.error().message;
+    EXPECT_FALSE((KeyFinder{*model, *model->find("T")}.is_short()));
 }
 
 TEST(KeyFinder, ASampleThatIsNotOfItsTypeHasNoKey) {

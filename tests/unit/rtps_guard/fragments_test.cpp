@@ -129,5 +129,31 @@ TEST(Fragments, OfManySamplesHaveABoundForEachParticipantAndForAll) {
     EXPECT_GE(sut.samples(), Fragments::kMaxSamplesOfOne + 7) << "who holds little keeps it";
 }
 
+/// The first of two fragments of a sample, said in the name of another participant.
+Bytes begun_as(std::uint32_t who, std::int64_t sequence) {
+    return joined({submessage(0x0c, joined({{0, 0, 0, 0, 2, 3, 1, 15}, little(who, 4), Bytes(8)})),
+                   fragments(sample_of(16), 1, 1, sequence)});
+}
+
+TEST(Fragments, InTheNameOfOthersCountForWhoSendsThem) {
+    Fragments sut;
+    for (std::uint32_t who = 0; who < 1000; ++who) {
+        Bytes datagram = message({begun_as(who, 1)});
+        (void)sut.take(datagram, 0);
+    }
+    EXPECT_EQ(sut.samples(), Fragments::kMaxSamplesOfOne);
+}
+
+TEST(Fragments, OfManyParticipantsHaveABoundTogether) {
+    Fragments sut;
+    for (int sender = 0; sender < 20; ++sender) {
+        for (std::int64_t sequence = 1; sequence <= 50; ++sequence) {
+            Bytes datagram = message({fragments(sample_of(16), 1, 1, sequence)}, static_cast<std::uint8_t>(sender));
+            (void)sut.take(datagram, 0);
+        }
+    }
+    EXPECT_EQ(sut.samples(), Fragments::kMaxSamples);
+}
+
 } // namespace
 } // namespace gridspace::rtps_guard
