@@ -19,8 +19,9 @@ RunKeys::RunKeys(std::vector<fs::path> const& depends_on) {
     std::error_code ignored;
     for (fs::path const& path : depends_on) {
         if (fs::is_directory(path, ignored)) {
-            for (fs::directory_entry const& entry : fs::recursive_directory_iterator{path, ignored}) {
-                add_file(entry.path(), always_);
+            fs::recursive_directory_iterator entry{path, fs::directory_options::skip_permission_denied, ignored};
+            for (; entry != fs::recursive_directory_iterator{}; entry.increment(ignored)) {
+                add_file(entry->path(), always_);
             }
         } else {
             add_file(path, always_);
