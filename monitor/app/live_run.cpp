@@ -178,14 +178,16 @@ bool LiveRun::take_type(std::span<std::byte const> cdr) {
     }
     std::string const name = sample.type_name().c_str();
     auto const known = idl.find(name);
-    std::size_t const others = idl_octets_ - (known == idl.end() ? 0 : known->second.size());
+    std::size_t others = 0; // also what a configuration or a recording has put there
+    for (auto const& [type, text] : idl) {
+        others += type == name ? 0 : text.size();
+    }
     if (known == idl.end() && idl.size() >= kTypes) {
         full("types", kTypes);
     } else if (sample.idl().size() > bus::kLongestIdl || others + sample.idl().size() > bus::kMostIdl) {
         tell_once("limit", fmt::format("the IDL of type '{}' is not kept: {} octets, beside {} of other types", name,
                                        sample.idl().size(), others));
     } else {
-        idl_octets_ = others + sample.idl().size();
         idl.insert_or_assign(name, sample.idl());
     }
     return true;

@@ -133,7 +133,6 @@ struct LiveRun {
     std::string clock_process_;                        ///< who publishes the clock
     /// Of the past of signals: 512 MB.
     std::shared_ptr<std::size_t> values_left_{std::make_shared<std::size_t>(128'000'000)};
-    std::size_t idl_octets_{0};    ///< of all in `idl`
     std::size_t newest_octets_{0}; ///< of the newest samples of all topics
     double time_then_s_{0};
 };

@@ -188,6 +188,7 @@ TEST_F(LiveRunTest, KeepsABoundedLengthOfIdl) {
         entry.idl(std::string(octets, ' '));
         hear("type_catalog", "TypeCatalogEntry", "p", entry);
     };
+    sut_.idl["T0"] = std::string(50'000, ' '); // of a configuration
     said("Long", 300'000);
     EXPECT_FALSE(sut_.idl.contains("Long"));
     for (int i = 0; i < 100; ++i) {
