@@ -131,7 +131,7 @@ struct LiveRun {
     std::set<std::string> reported_;                   ///< once
     std::set<std::string> unheard_, reported_unheard_; ///< when it was last looked at, and ever
     std::string clock_process_;                        ///< who publishes the clock
-    /// Of the past of signals: 512 MB.
+    /// Values of the past of signals; the first rows of each group come on top.
     std::shared_ptr<std::size_t> values_left_{std::make_shared<std::size_t>(128'000'000)};
     std::size_t newest_octets_{0}; ///< of the newest samples of all topics
     double time_then_s_{0};

@@ -425,14 +425,15 @@ class Interpreter {
     }
 
     // ---- options ----
-    /// Of those that are read, the one that this is the beginning of; OpenDSS takes beginnings of names, too.
+    /// The option that this is the beginning of; OpenDSS takes beginnings of names, too, and the first of its list.
+    /// Among those that are read stand others that come before one of them there.
     static std::string whole_option(std::string const& name) {
-        static constexpr std::array<std::string_view, 9> kRead{
-            "mode",        "frequency",    "basefrequency", "defaultbasefrequency", "loadmult", "maxcontroliter",
-            "controlmode", "voltagebases", "earthmodel"};
+        static constexpr std::array<std::string_view, 12> kInOrder{
+            "mode",     "frequency",     "basefrequency",  "defaultdaily", "defaultbasefrequency", "loadmodel",
+            "loadmult", "maxiterations", "maxcontroliter", "controlmode",  "voltagebases",         "earthmodel"};
         auto const begins = [&](std::string_view option) { return option.starts_with(name); };
-        auto const found = std::ranges::find_if(kRead, begins);
-        return name.size() > 2 && found != kRead.end() ? std::string{*found} : name;
+        auto const found = std::ranges::find_if(kInOrder, begins);
+        return name.size() > 2 && found != kInOrder.end() ? std::string{*found} : name;
     }
     void set(std::vector<Word>& words) {
         for (Word& word : words) {

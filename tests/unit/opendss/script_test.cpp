@@ -108,8 +108,9 @@ TEST(DssScript, ClearBeginsAnewAndKeepsTheBaseFrequency) {
 }
 
 TEST(DssScript, AnOptionIsKnownByTheBeginningOfItsName) {
-    Script const s = correct(kCircuit + "Set loadm=0.5 Volt=[4.16] nothing_of_ours=1\n");
+    Script const s = correct(kCircuit + "Set loadmu=0.5 loadm=admittance Volt=[4.16] nothing_of_ours=1\n");
     EXPECT_EQ(s.options.at("loadmult").value, "0.5");
+    EXPECT_EQ(s.options.at("loadmodel").value, "admittance");
     EXPECT_TRUE(s.options.contains("voltagebases"));
     EXPECT_TRUE(s.options.contains("nothing_of_ours"));
 }
