@@ -213,7 +213,7 @@ bool LiveRun::take_columns(std::span<std::byte const> cdr) {
     } else if (!same) {
         std::size_t const rows = rows_for(columns.size());
         auto& window = signals[key];
-        *values_left_ += window == nullptr ? 0 : window->values();
+        *values_left_ += window == nullptr ? 0 : window->taken();
         window = std::make_unique<stream::SignalWindow>(std::move(columns), rows, values_left_);
     }
     return true;

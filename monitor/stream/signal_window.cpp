@@ -85,16 +85,10 @@ bool SignalWindow::take_entry(Level const& level) {
         return true;
     }
     bool const is_there = *values_left_ >= values_of(level) || level.buckets.size() < kAlways;
-    *values_left_ -= is_there ? std::min(values_of(level), *values_left_) : 0;
+    std::size_t const charged = is_there ? std::min(values_of(level), *values_left_) : 0;
+    *values_left_ -= charged;
+    taken_ += charged;
     return is_there;
-}
-
-std::size_t SignalWindow::values() const {
-    std::size_t out = 0;
-    for (Level const& level : levels_) {
-        out += level.buckets.size() * values_of(level);
-    }
-    return out;
 }
 
 std::size_t SignalWindow::kept(Level const& level) const {

@@ -51,8 +51,8 @@ class SignalWindow {
     /// The value that held at an instant (the lowest of a bucket where only buckets are left); NaN before the first.
     [[nodiscard]] double value_at(std::size_t column, std::int64_t time_ns) const;
     [[nodiscard]] std::uint64_t rows() const { return count_; }
-    /// Values that it has taken.
-    [[nodiscard]] std::size_t values() const;
+    /// Of `values_left`: what comes back when it is given up.
+    [[nodiscard]] std::size_t taken() const { return taken_; }
 
     /// The signal between two instants, with the last point before and the first after them, so that lines reach the
     /// edges.
@@ -88,6 +88,7 @@ class SignalWindow {
 
     std::vector<Column> columns_;
     std::shared_ptr<std::size_t> values_left_; ///< none: no limit but the rows
+    std::size_t taken_{0};
     std::vector<Level> levels_;
     std::vector<double> newest_;
     std::int64_t newest_ns_{INT64_MIN};
