@@ -16,7 +16,7 @@ source "$root/scripts/build.sh"
 seconds=${1:-60}
 shift
 fuzzer=${GRIDSPACE_FUZZER:-$root/build/asan/tests/gridspace-fuzz}
-[ -n "${GRIDSPACE_FUZZER:-}" ] || { ensure_packages build all && configure asan -DGRIDSPACE_TESTS=ON && build asan gridspace-fuzz; } || exit
+[ -n "${GRIDSPACE_FUZZER:-}" ] || { ensure_packages build test all && configure asan -DGRIDSPACE_TESTS=ON && build asan gridspace-fuzz; } || exit
 at_once=${GRIDSPACE_FUZZ_AT_ONCE:-$(nproc)}
 findings=$root/build/asan/findings
 mkdir -p "$findings"

@@ -131,10 +131,15 @@ CallTable::Next CallTable::answer_clock(Thread& t) {
         }
     }
     }
-    ++report_.clock_reads;
-    clock_.look();
+    look_again();
     answer(t.tid, result);
     return Next::go;
+}
+
+/// Who looks again and again, without waiting, gets on, and lets others do so.
+void CallTable::look_again() {
+    clock_.look();
+    ++report_.clock_reads;
 }
 
 void CallTable::count_looks(std::array<std::int64_t, 3> const& looks) {
@@ -170,8 +175,7 @@ CallTable::Next CallTable::look_at_descriptors(Thread& t) {
         packets_->look_at_rings();
     }
     if (wait.timeout_ns == 0) {
-        clock_.look(); // who looks again and again gets on, and lets others do so
-        ++report_.clock_reads;
+        look_again();
         return Next::go;
     }
     if (std::int64_t const found = descriptors(t.process).look(t.tid, t.call, false); found != 0) {
@@ -200,8 +204,10 @@ CallTable::Next CallTable::transfer(Thread& t, short event) {
         return Next::go;
     }
     bool const is_there = is_ready(file, event);
+    if (!waits && !is_there) {
+        look_again();
+    }
     if (!waits || is_there) {
-        report_.clock_reads += is_there ? 0 : 1; // as with a clock: who looks again and again lets others get on
         return Next::go;
     }
     t.interests = {{fd, event}};

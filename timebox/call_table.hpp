@@ -62,6 +62,7 @@ class CallTable {
 
   private:
     Next answer_clock(Thread& t);
+    void look_again();
     Next hold_until(Thread& t, std::optional<std::int64_t> deadline_ns);
     Next sleep(Thread& t);
     void tell_rest_of_sleep(Thread const& t);

@@ -111,7 +111,11 @@ CallTable::Next CallTable::ip_transfer(Thread& t, IpSocket& socket, UniqueFd con
         return hold_until(t, patience ? std::optional{clock_.now_ns() + *patience} : std::nullopt);
     };
     if (is_accept(t)) {
-        return !waits || is_ready(file, event) ? take_connection(t) : hold();
+        bool const is_there = is_ready(file, event);
+        if (!waits && !is_there) {
+            look_again();
+        }
+        return !waits || is_there ? take_connection(t) : hold();
     }
     auto const result =
         event == POLLOUT ? ip_calls_->send(t, socket, file, waits) : ip_calls_->receive(t, socket, file, waits);
@@ -119,7 +123,7 @@ CallTable::Next CallTable::ip_transfer(Thread& t, IpSocket& socket, UniqueFd con
         return hold();
     }
     if (*result == -EAGAIN) {
-        clock_.look(); // who looks again and again gets on
+        look_again();
     }
     answer(t.tid, *result);
     return Next::go;

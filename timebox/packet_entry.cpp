@@ -148,7 +148,7 @@ CallTable::Next CallTable::packet_transfer(Thread& t, PacketSocket& socket, Uniq
         return Next::go;
     }
     if (!waits) {
-        clock_.look(); // who looks again and again gets on
+        look_again();
         answer(t.tid, -EAGAIN);
         return Next::go;
     }

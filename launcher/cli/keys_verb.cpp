@@ -9,9 +9,11 @@
 #include "launcher/cli/verbs.hpp"
 #include "launcher/security/key_folder.hpp"
 
+#include <algorithm>
 #include <ctime>
 #include <fmt/format.h>
 #include <memory>
+#include <optional>
 
 namespace gridspace::cli {
 namespace {
@@ -27,7 +29,7 @@ std::vector<std::string> roles() {
 struct KeysArguments {
     std::filesystem::path folder;
     std::vector<std::string> names;
-    std::int64_t days{365};
+    std::optional<std::int64_t> days; ///< a year, or as long as the authority
     std::string until;
 };
 
@@ -35,7 +37,7 @@ struct KeysArguments {
 Result<crypto::Validity> validity(KeysArguments const& a) {
     constexpr std::int64_t kDay = 24 * 3600;
     std::int64_t const now = std::time(nullptr);
-    std::int64_t until = now + a.days * kDay;
+    std::int64_t until = now + a.days.value_or(365) * kDay;
     if (!a.until.empty()) {
         auto const parsed = parse_utc(a.until);
         if (!parsed) {
@@ -77,6 +79,9 @@ int with_folder(KeysArguments const& a, std::function<Result<void>(KeyFolder con
 
 int issue(KeysArguments const& a) {
     return with_folder(a, [&](KeyFolder const& folder, crypto::Validity valid) -> Result<void> {
+        if (auto const end = folder.ends_unix_s(); end && *end > std::time(nullptr) && !a.days && a.until.empty()) {
+            valid.until_unix_s = std::min(valid.until_unix_s, *end);
+        }
         for (std::string const& name : a.names) {
             if (auto ok = folder.issue(name, valid); !ok) {
                 return ok;
@@ -137,7 +142,8 @@ void add_keys(Command app, Action& action) {
             }
         }
         if (lasting) {
-            one.add_option("--days", a->days, "valid so long (365)").check(in_range(1, 36500));
+            one.add_option("--days", a->days, "valid so long (365; `issue`: at most as long as the authority)")
+                .check(in_range(1, 36500));
             one.add_option("--until", a->until, "valid until this UTC time instead");
         }
         one.callback([a, act, &action] { action = [a, act] { return act(*a); }; });

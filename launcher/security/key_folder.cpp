@@ -146,18 +146,23 @@ Result<KeyFolder> KeyFolder::open(fs::path folder) {
     return out;
 }
 
+Result<std::int64_t> KeyFolder::ends_unix_s() const {
+    auto const facts = crypto::facts_of(identity_ca_.certificate);
+    return facts ? Result<std::int64_t>{facts->valid.until_unix_s} : std::unexpected{facts.error()};
+}
+
 Result<void> KeyFolder::issue(std::string const& name, crypto::Validity valid) const {
     if (auto ok = check_name(name); !ok) {
         return ok;
     }
-    auto const authority = crypto::facts_of(identity_ca_.certificate);
-    if (!authority) {
-        return std::unexpected{authority.error()};
+    auto const end = ends_unix_s();
+    if (!end) {
+        return std::unexpected{end.error()};
     }
-    if (valid.until_unix_s > authority->valid.until_unix_s) {
+    if (valid.until_unix_s > *end) {
         return fail(ExitCode::usage,
                     fmt::format("an identity until {} would outlive the authority of {}, which ends at {}",
-                                day(valid.until_unix_s), folder_.string(), day(authority->valid.until_unix_s)),
+                                day(valid.until_unix_s), folder_.string(), day(*end)),
                     "an earlier --until, or fewer --days; or a new folder: gridspace keys init DIR");
     }
     auto const identity = crypto::issue(identity_ca_, name, valid);

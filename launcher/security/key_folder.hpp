@@ -32,7 +32,9 @@ class KeyFolder {
     /// Reads one that exists, and looks whether others may read its secrets.
     [[nodiscard]] static Result<KeyFolder> open(std::filesystem::path folder);
 
-    /// A new identity, in the place of an older one of that name. None outlives the authority.
+    /// When the authority of identities ends: none can be valid for longer.
+    [[nodiscard]] Result<std::int64_t> ends_unix_s() const;
+    /// A new identity, in the place of an older one of that name.
     [[nodiscard]] Result<void> issue(std::string const& name, crypto::Validity valid) const;
     /// From now on the certificate that `name` has at present is refused.
     [[nodiscard]] Result<void> revoke(std::string const& name, crypto::Validity list_valid) const;

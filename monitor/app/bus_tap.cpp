@@ -3,11 +3,13 @@
 #include "monitor/app/bus_tap.hpp"
 
 #include "bus/raw_access.hpp"
+#include "bus/sample_stamp.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
 
 #include <algorithm>
 #include <array>
+#include <ctime>
 #include <deque>
 #include <fmt/format.h>
 #include <map>
@@ -53,7 +55,8 @@ struct Wanted {
 
 /// One domain: what is discovered goes into the graph, and topics that appear wait for a reader.
 struct BusTap::Network final : bus::DiscoveryObserver {
-    Network(std::string network_name, LiveRun& live_run) : name{std::move(network_name)}, run{live_run} {}
+    Network(std::string network_name, LiveRun& live_run, std::int64_t instant_ns)
+        : name{std::move(network_name)}, run{live_run}, about_ns{instant_ns} {}
 
     void participant_found(bus::DiscoveredParticipant const& found) override {
         std::lock_guard const lock{run.mutex};
@@ -71,6 +74,7 @@ struct BusTap::Network final : bus::DiscoveryObserver {
         std::lock_guard const lock{run.mutex};
         run.graph.participant_gone(id, clean);
         known.erase(id);
+        look_at_contested();
     }
     void endpoint_found(bus::DiscoveredEndpoint const& endpoint) override {
         std::lock_guard const lock{run.mutex};
@@ -83,9 +87,18 @@ struct BusTap::Network final : bus::DiscoveryObserver {
         if (!run.graph.endpoint_found(name, endpoint)) {
             run.full("readers and writers", graph::GraphModel::kMaxEndpoints);
         }
-        if (!endpoint.writer) {
-            return;
+        if (endpoint.writer) {
+            follow(endpoint);
         }
+    }
+    void endpoint_gone(std::string const& id) override {
+        std::lock_guard const lock{run.mutex};
+        run.graph.endpoint_gone(id);
+        look_at_contested();
+    }
+
+    /// With the run's mutex.
+    void follow(bus::DiscoveredEndpoint const& endpoint) {
         if (followed.size() >= kMaxTopics && !followed.contains(endpoint.topic)) {
             run.full("topics of a network", kMaxTopics);
             return;
@@ -93,6 +106,7 @@ struct BusTap::Network final : bus::DiscoveryObserver {
         auto [it, first] = followed.try_emplace(endpoint.topic, Followed{endpoint.type, {}});
         if (it->second.type != endpoint.type) {
             if (run.graph.has_writer(name, endpoint.topic, it->second.type)) {
+                contested.insert(endpoint.topic);
                 return; // a topic is read with the type of who came first and is still here
             }
             it->second = {endpoint.type, {}};
@@ -104,9 +118,24 @@ struct BusTap::Network final : bus::DiscoveryObserver {
             waiting.push_back({endpoint.topic, endpoint.type, endpoint.keyed, own, it->second.wanted});
         }
     }
-    void endpoint_gone(std::string const& id) override {
-        std::lock_guard const lock{run.mutex};
-        run.graph.endpoint_gone(id);
+
+    /// Topics that somebody also writes with another type: when the first writers have left, it is the others' turn.
+    /// With the run's mutex.
+    void look_at_contested() {
+        for (std::string const& topic : std::exchange(contested, {})) {
+            if (run.graph.has_writer(name, topic, followed.at(topic).type)) {
+                contested.insert(topic);
+                continue;
+            }
+            for (bus::DiscoveredEndpoint const& writer : run.graph.writers_of(name, topic)) {
+                follow(writer);
+            }
+        }
+    }
+
+    /// Of a sample, in nanoseconds since 1970: the nearest to the run's beginning, or to now, that has this stamp.
+    [[nodiscard]] std::int64_t time_of(std::int64_t stamp_ns) const {
+        return about_ns + bus::stamp_after(stamp_ns, about_ns);
     }
 
     struct NewTopic {
@@ -123,9 +152,11 @@ struct BusTap::Network final : bus::DiscoveryObserver {
 
     std::string const name;
     LiveRun& run;
+    std::int64_t const about_ns; ///< an instant of the run, since 1970
     bus::DiscoveredParticipant self;
     std::set<std::string> known;              // participants; with the run's mutex
     std::map<std::string, Followed> followed; // by topic; with the run's mutex
+    std::set<std::string> contested;          // topics of `followed` with writers of several types; with it, too
     std::vector<NewTopic> waiting;            // with the run's mutex
     std::deque<std::string> type_names;       // codecs refer to them
     std::unique_ptr<bus::Participant> participant;
@@ -134,8 +165,9 @@ struct BusTap::Network final : bus::DiscoveryObserver {
 
 Result<std::unique_ptr<BusTap>> BusTap::join(bus::NodeConfig const& node, LiveRun& run) {
     std::unique_ptr<BusTap> tap{new BusTap};
+    std::int64_t const epoch_s = node.clock.epoch_unix_s > 0 ? node.clock.epoch_unix_s : std::time(nullptr);
     auto const join_one = [&](std::string const& name, bus::NetworkConfig const& config) -> Result<void> {
-        auto network = std::make_unique<Network>(name, run);
+        auto network = std::make_unique<Network>(name, run, epoch_s * 1'000'000'000);
         bus::ParticipantOptions options;
         options.process = node.process;
         options.incarnation = static_cast<std::uint32_t>(node.incarnation);
@@ -193,7 +225,7 @@ void BusTap::follow() {
             bus::SampleHandler handler = [raw, topic = found.topic, type = found.type](
                                              std::span<std::byte const> cdr, bus::SampleHeader const& header) {
                 raw->run.on_sample(raw->name, topic, type, raw->participant->peer(header.peer).process, cdr,
-                                   header.source_ns);
+                                   raw->time_of(header.source_ns));
             };
             network->readers.erase(found.topic); // one that asked for more than a writer gives
             auto reader = found.own ? network->participant->create_reader(found.topic, codec, std::move(handler))

@@ -211,6 +211,17 @@ bool GraphModel::has_writer(std::string const& network, std::string const& topic
     });
 }
 
+std::vector<bus::DiscoveredEndpoint> GraphModel::writers_of(std::string const& network,
+                                                            std::string const& topic) const {
+    std::vector<bus::DiscoveredEndpoint> out;
+    for (auto const& [id, known] : endpoints_) {
+        if (known.endpoint.writer && known.network == network && known.endpoint.topic == topic) {
+            out.push_back(known.endpoint);
+        }
+    }
+    return out;
+}
+
 void GraphModel::look_through(std::string const& participant) {
     own_.insert(participant);
     ++revision_;

@@ -84,6 +84,8 @@ class GraphModel {
     bool endpoint_found(std::string const& network, bus::DiscoveredEndpoint const& endpoint);
     void endpoint_gone(std::string const& id);
     [[nodiscard]] bool has_writer(std::string const& network, std::string const& topic, std::string const& type) const;
+    [[nodiscard]] std::vector<bus::DiscoveredEndpoint> writers_of(std::string const& network,
+                                                                  std::string const& topic) const;
     /// The participant of the observer: what its readers do not get is a note of the topic.
     void look_through(std::string const& participant);
 

@@ -55,12 +55,15 @@ std::unexpected<Error> Reader::damaged(std::string const& what) const {
 }
 
 std::unexpected<Error> Reader::not_decompressed() const {
-    return damaged("it cannot be decompressed (" + broken_ + ")");
+    return too_large_
+               ? fail(ExitCode::usage, fmt::format("'{}' is too large: {}", name_, broken_), "decompress it first")
+               : damaged("it cannot be decompressed (" + broken_ + ")");
 }
 
 bool Reader::read(std::size_t octets) {
     if (octets > left_) { // no memory for what a damaged length promises
         if (compressed_) {
+            too_large_ = true;
             broken_ = fmt::format("it becomes more than {} octets, and {} for each of its own", kDecompressed,
                                   kDecompressedPerOctet);
         }

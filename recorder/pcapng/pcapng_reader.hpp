@@ -91,6 +91,7 @@ class Reader {
     std::string name_;
     std::uint64_t offset_{0}, left_{0}; ///< octets of the file that were not read, or may still be decompressed
     std::string broken_;                ///< what is wrong with its compression
+    bool too_large_{false};             ///< it is that it becomes too large
     bool compressed_{false}, begun_{false};
     bool classic_{false}, swapped_{false}, truncated_{false};
     std::size_t record_head_{16}; ///< of a classic file: the "modified" one says 8 octets more, which nobody needs

@@ -202,6 +202,20 @@ static void read_participants(gs_member* m, int network) {
     }
 }
 
+// Time stamps of DDS end in 2038: their seconds have 31 bits. Those of later times start again at 0 after this.
+static int64_t const STAMP_PERIOD_NS = 2147483647LL * 1000000000;
+
+static int64_t stamp_of(int64_t ns) {
+    int64_t const rest = ns % STAMP_PERIOD_NS;
+    return rest < 0 ? rest + STAMP_PERIOD_NS : rest;
+}
+
+// How long after `from_ns` the instant is that has this stamp; of all that could be meant, the nearest.
+static int64_t stamp_after(int64_t stamp_ns, int64_t from_ns) {
+    int64_t const ahead = stamp_of(stamp_ns - from_ns);
+    return ahead < STAMP_PERIOD_NS / 2 ? ahead : ahead - STAMP_PERIOD_NS;
+}
+
 static participant const* owner_of(gs_member* m, int network, dds_builtintopic_endpoint_t const* endpoint) {
     read_participants(m, network);
     for (int k = 0; k < m->known_count[network]; ++k) {
@@ -614,7 +628,7 @@ static void on_sample(gs_member* m, reader* r, void const* sample, dds_sample_in
     source const* s = source_of(m, r, info->publication_handle);
     if (s == NULL || s->process < 0) {
         if (!m->lockstep) {
-            r->deliver(r->user, sample, info->source_timestamp - m->epoch_ns);
+            r->deliver(r->user, sample, stamp_after(info->source_timestamp, m->epoch_ns));
         }
         return; // a run must not depend on who else is on the bus
     }
@@ -624,7 +638,7 @@ static void on_sample(gs_member* m, reader* r, void const* sample, dds_sample_in
         return;
     }
     ++p->counts[r - m->readers].held;
-    r->deliver(r->user, sample, info->source_timestamp - m->epoch_ns);
+    r->deliver(r->user, sample, stamp_after(info->source_timestamp, m->epoch_ns));
 }
 
 // Takes all that has arrived at one reader.
@@ -729,7 +743,7 @@ static void acknowledge(gs_member* m, uint64_t tick, int64_t time_ns, uint64_t n
         }
         entries[k].sent += m->writers[i].sent;
     }
-    made(dds_write_ts(m->ack_writer, &ack, m->epoch_ns + time_ns), "an acknowledgement");
+    made(dds_write_ts(m->ack_writer, &ack, stamp_of(m->epoch_ns + time_ns)), "an acknowledgement");
 }
 
 // What is missing, for people who look into the log of a run that has stalled.
@@ -776,7 +790,7 @@ bool gs_next(gs_member* m, gs_tick* tick) {
 
 void gs_write(gs_member* m, gs_writer* writer, void const* sample, int64_t time_ns) {
     dds_return_t const result =
-        m->lockstep ? dds_write_ts(writer->entity, sample, m->epoch_ns + time_ns) : dds_write(writer->entity, sample);
+        m->lockstep ? dds_write_ts(writer->entity, sample, stamp_of(m->epoch_ns + time_ns)) : dds_write(writer->entity, sample);
     if (result != DDS_RETCODE_OK) {
         fail(EXIT_STALL, "DDS refused a sample of '%s': %s", writer->topic, dds_strretcode(-result));
     }

@@ -71,6 +71,15 @@ class ForeignTypes(harness.ScenarioTest):
         with self.station("best_effort"), self.monitor() as monitor:
             self.assertEqual(monitor.json("/api/v1/topics/rt%2Fweather/last")["last"][0]["process"], "gust")
 
+    def test_a_topic_is_read_with_the_type_of_the_first_writer_and_then_with_that_of_who_is_left(self):
+        with contextlib.ExitStack() as first:
+            first.enter_context(self.station())
+            with self.monitor() as monitor, self.station("best_effort", "rt/weather", "station::Other"):
+                monitor.until("/api/v1/graph", lambda g: "gust" in json.dumps(g), "the second writer")
+                self.assertEqual(monitor.json("/api/v1/topics/rt%2Fweather")["type"], "station::Weather")
+                first.close()
+                monitor.until("/api/v1/topics/rt%2Fweather", lambda t: t["type"] == "station::Other", "the type of who is left")
+
     def test_its_samples_are_read_by_the_idl_that_the_user_gives(self):
         with self.station():
             with self.monitor() as monitor:

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// foreign_writer QOS_FILE DOMAIN [reliable|best_effort [TOPIC]]: writes topic `rt/weather` of a type that is published
-// nowhere (foreign_types_test.py has its IDL) until its standard input ends.
+// foreign_writer QOS_FILE DOMAIN [reliable|best_effort [TOPIC [TYPE]]]: writes topic `rt/weather` of a type that is
+// published nowhere (foreign_types_test.py has its IDL) until its standard input ends.
 #include "bus/participant.hpp"
 #include "bus/raw_access.hpp"
 
@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
     options.addresses = {"127.0.0.1"};
     auto participant = bus::Participant::create(std::move(options));
     bus::Codec codec;
-    codec.type_name = "station::Weather";
+    codec.type_name = argc > 5 ? argv[5] : "station::Weather";
     auto writer = !participant  ? std::unexpected{participant.error()}
                   : best_effort ? bus::create_writer_like(**participant, topic, codec, {})
                                 : (*participant)->create_writer(topic, codec);

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """DDS Security in whole runs: the same recording with and without, and nothing starts with keys that are not valid."""
+import datetime
 import json
 import pathlib
 import sys
@@ -77,6 +78,17 @@ class Security(ScenarioTest):
         self.assertIn("is revoked", run.stderr())
         self.assertEqual(gridspace("keys", "issue", keys, "mcca")[0], OK)
         self.run_to_end("renewed", [*SHORT_CASE_1, *setting])
+
+    def test_an_identity_ends_with_its_authority_unless_it_is_asked_for_more(self):
+        made = datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(days=20 * 365 - 100)  # an authority lasts 20 years
+        self.assertEqual(gridspace("keys", "init", self.folder / "old", "--until", made.strftime("%Y-%m-%dT%H:%M:%SZ"))[0], OK)
+        ends = (made + datetime.timedelta(days=20 * 365 - 1)).strftime("%Y-%m-%d")
+        code, out, err = gridspace("keys", "issue", self.folder / "old", "relay")
+        self.assertEqual(code, OK, out + err)
+        self.assertIn(f"relay: valid until {ends}", out)
+        code, out, err = gridspace("keys", "issue", self.folder / "old", "relay", "--days", "365")
+        self.assertEqual(code, USAGE, out + err)
+        self.assertIn("would outlive the authority", err)
 
     def test_somebody_without_keys_is_an_event_and_changes_nothing(self):
         plain = self.run_to_end("plain", SHORT_CASE_1)

@@ -214,7 +214,7 @@ TEST_F(Pcapng, OfAStrangerBecomesNeitherAnyNumberOfOctetsNorOfInterfaces) {
         ASSERT_EQ(::gzwrite(out, one.data() + one.size() - kBlock, kBlock), static_cast<int>(kBlock));
     }
     ASSERT_EQ(::gzclose(out), Z_OK);
-    EXPECT_THAT(end_of(), testing::HasSubstr("it becomes more than"));
+    EXPECT_THAT(end_of(), testing::HasSubstr("is too large: it becomes more than"));
 
     writer = Writer::create(file_, "test");
     ASSERT_TRUE(writer);
