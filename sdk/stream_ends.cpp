@@ -119,7 +119,7 @@ Result<void> StreamEnds::open_read(streams::Stream const& stream, int reader) {
     }
     inward_.push_back(std::make_unique<InwardSink>(*this, **route, reads_.back().type, reader));
     received_.push_back(stream.kind == streams::Kind::smv
-                            ? make_sv_source(**route, *inward_.back(), node_.lockstep(), wire_.streams)
+                            ? make_sv_source(**route, *inward_.back(), node_.lockstep(), wire_.speed, wire_.streams)
                             : make_goose_source(**route, *inward_.back(), clock_));
     rows_.push_back(&statistics_->add(stream.name.name, STREAM_RECEIVED));
     return {};

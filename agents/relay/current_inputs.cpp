@@ -13,7 +13,7 @@ namespace {
 
 Result<CurrentInputs::End> make_end(streams::Stream const& stream, CurrentInputs::Members const& members,
                                     CurrentInputs::Params const& params) {
-    auto subscription = gateways::sv_subscription(stream);
+    auto subscription = gateways::sv_subscription(stream, params.speed);
     subscription.simulation = params.accept_test;
     // One end that is silent is noticed when its partner has waited for it in vain; both, by the same time.
     subscription.silence_periods = std::max(
@@ -90,6 +90,7 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPa
             if (!mine || !pass_first_line(i, asdu, place, arrival_ns)) {
                 continue;
             }
+            std::int64_t const last_index = end.subscriber.last_index();
             iec61850::SvArrival const arrival = end.subscriber.receive(decoded_.header, asdu, arrival_ns);
             tell_refusal(i, arrival, asdu);
             if (arrival.accepted || arrival.event == iec61850::SvEvent::late) {
@@ -99,7 +100,8 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPa
                 if (std::exchange(end.contest_next, false)) {
                     sample.validity = std::max(sample.validity, Validity::questionable);
                 }
-                alignment_.push(i, asdu.smp_cnt, asdu.smp_synch, sample, arrival_ns, restarted);
+                alignment_.push(i, asdu.smp_cnt, asdu.smp_synch, sample, arrival_ns,
+                                {arrival.index - last_index, restarted});
                 give_out(arrival_ns, on_pair);
             }
         }

@@ -27,6 +27,7 @@ class CurrentInputs {
         gateways::FirstLineConfig first_line;
         bool accept_test{false};   ///< simulated frames are taken, and nothing suspicious
         bool judge_arrival{false}; ///< real time: when a frame came says something
+        double speed{1};           ///< real time: of the simulation clock
     };
     [[nodiscard]] static Result<CurrentInputs> create(streams::Stream const& from, streams::Stream const& to,
                                                       Params const& params);

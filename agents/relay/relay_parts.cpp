@@ -119,11 +119,12 @@ std::array<CurrentInputs::Members, 2> members_of(RelayConfig const& config) {
     return out;
 }
 
-Result<void> make_inputs(RelayConfig const& config, Streams const& streams, bool simulated, RelayParts& out) {
+Result<void> make_inputs(RelaySettings const& settings, Streams const& streams, bool simulated, RelayParts& out) {
+    RelayConfig const& config = settings.relay;
     auto inputs = CurrentInputs::create(*streams.from, *streams.to,
                                         {members_of(config), static_cast<std::int64_t>(config.partner_timeout_ms * 1e6),
                                          static_cast<int>(config.logic.max_interpolated), config.first_line,
-                                         config.logic.test_mode, !simulated});
+                                         config.logic.test_mode, !simulated, settings.wire.speed});
     if (!inputs) {
         return std::unexpected{inputs.error()};
     }
@@ -194,7 +195,7 @@ Result<RelayParts> make_parts(RelaySettings const& settings, DaemonRun& run, bus
     if (auto ok = make_relay(settings, streams->from->rate_hz, run, node, out); !ok) {
         return std::unexpected{ok.error()};
     }
-    if (auto ok = make_inputs(settings.relay, *streams, WireClock{node}.simulated(), out); !ok) {
+    if (auto ok = make_inputs(settings, *streams, WireClock{node}.simulated(), out); !ok) {
         return std::unexpected{ok.error()};
     }
     make_event_report(settings.relay, node.config().process, out);

@@ -27,6 +27,7 @@ class Outlet {
     /// So much waits that frames shall wait too, in the queue of their device.
     [[nodiscard]] bool full() const { return waiting_.size() - written_ > (1U << 20U); }
     [[nodiscard]] int fd() const { return fd_; }
+    [[nodiscard]] std::size_t held() const { return waiting_.size(); } ///< octets, also written ones
 
   private:
     int fd_;

@@ -8,6 +8,11 @@
 #include <unistd.h>
 
 namespace gridspace::cable {
+namespace {
+
+constexpr std::size_t kMostWritten = 1U << 20U; ///< octets that are kept though they have left
+
+} // namespace
 
 Outlet::Outlet(int fd) : fd_{fd} {
     ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) | O_NONBLOCK);
@@ -20,6 +25,10 @@ bool Outlet::flush() {
             return errno == EAGAIN || errno == EINTR;
         }
         written_ += static_cast<std::size_t>(size);
+        if (written_ > kMostWritten) { // who is never caught up with never empties it
+            waiting_.erase(0, written_);
+            written_ = 0;
+        }
     }
     waiting_.clear();
     written_ = 0;

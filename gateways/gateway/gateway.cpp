@@ -19,6 +19,7 @@ Gateway::~Gateway() = default;
 
 Result<void> Gateway::work(bus::Tick const& tick) {
     follow_start();
+    tick_begin_ns_ = clock_.simulated() ? begin_ns(tick) : 0;
     take_input(tick);
     last_ = moment_of(tick);
     if (auto const due = next_timer(); due && *due <= last_.ns && !clock_.simulated()) {
@@ -70,11 +71,15 @@ Moment Gateway::moment_of(bus::Tick const& tick) const {
     return {clock_.at_tick(tick.time), tick.time};
 }
 
+/// Lockstep: the first instant that belongs to it. Timers are not bound to quanta.
+std::int64_t Gateway::begin_ns(bus::Tick const& tick) const {
+    return tick.number == 0 ? 0 : clock_.of(grid_.end_of(tick.number - 1)) + 1;
+}
+
 /// Real time: who paces its samples has to know when simulated time 0 was, as soon as somebody does.
 void Gateway::follow_start() {
-    bool const has_zero = node_.start_unix_ns() != 0 || node_.config().clock.simulator.empty(); // UTC counts from 1970
-    if (pacer_ != nullptr && has_zero) {
-        pacer_->start(node_.start_unix_ns());
+    if (auto const zero = clock_.known_start_unix_ns(); pacer_ != nullptr && zero) {
+        pacer_->start(*zero);
     }
 }
 
@@ -196,7 +201,8 @@ std::optional<std::int64_t> Gateway::next_timer() const {
 
 void Gateway::run_timers(std::int64_t until_ns) {
     for (auto next = next_timer(); next && *next <= until_ns; next = next_timer()) {
-        std::int64_t const now = clock_.simulated() ? *next : until_ns;
+        // Who was paused finds what ticks that are over asked for; it does that now.
+        std::int64_t const now = clock_.simulated() ? std::max(*next, tick_begin_ns_) : until_ns;
         Moment const at{now, clock_.sim_time(now)};
         for (auto const& source : sources_) {
             if (auto const deadline = source->deadline(); deadline && *deadline <= now) {
@@ -255,6 +261,9 @@ void Gateway::publish_counters(bus::Tick const& tick) {
 }
 
 void Gateway::publish_ages() {
+    if (!clock_.known_start_unix_ns()) {
+        return; // they wait
+    }
     for (Sampled const& sampled : sampled_) {
         double const rate_hz = sampled.sink->stream().rate_hz.to_double();
         for (SampleSink::Departure d; sampled.sink->pop_departure(d);) {

@@ -65,10 +65,11 @@ class Gateway final : public bus::Member {
     void take_input(bus::Tick const& tick);
     void handle(Event const& event, Moment at);
     void handle(bus::WireFrame const& frame, std::uint16_t ethertype, Moment at);
-    /// All deadlines up to this moment, in their order.
+    /// All deadlines up to this moment, in their order; in lockstep none is met before the present tick.
     void run_timers(std::int64_t until_ns);
     [[nodiscard]] std::optional<std::int64_t> next_timer() const;
     [[nodiscard]] Moment moment_of(bus::Tick const& tick) const;
+    [[nodiscard]] std::int64_t begin_ns(bus::Tick const& tick) const;
     void publish_counters(bus::Tick const& tick);
     void publish_ages();
 
@@ -109,6 +110,7 @@ class Gateway final : public bus::Member {
     std::vector<Sampled> sampled_;
     std::unique_ptr<SamplePacer> pacer_; ///< last: its thread uses what stands above
     Moment last_;
+    std::int64_t tick_begin_ns_{0}; ///< lockstep
     bool finished_{false};
 };
 

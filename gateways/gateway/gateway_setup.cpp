@@ -115,7 +115,8 @@ Result<void> Gateway::open_route(Route& route) {
     } else if (route.from_stream == nullptr) {
         sources_.push_back(make_topic_source(route, **sink));
     } else if (route.from_stream->kind == streams::Kind::smv) {
-        sources_.push_back(make_sv_source(route, **sink, node_.lockstep(), settings_.wire.streams));
+        sources_.push_back(
+            make_sv_source(route, **sink, node_.lockstep(), settings_.wire.speed, settings_.wire.streams));
     } else {
         sources_.push_back(make_goose_source(route, **sink, clock_));
     }
@@ -127,7 +128,7 @@ Result<void> Gateway::open_route(Route& route) {
 Result<void> Gateway::open_subscriptions() {
     for (SubscriptionConfig const& one : settings_.gateway.subscriptions) {
         auto const& stream = *streams::find_stream(settings_.wire.streams, one.stream.name); // checked with the routes
-        auto made = Subscription::create(node_, clock_, one, stream, subscriptions_.size());
+        auto made = Subscription::create(node_, clock_, one, stream, settings_.wire.speed, subscriptions_.size());
         if (!made) {
             return std::unexpected{made.error()};
         }

@@ -32,7 +32,7 @@ SamplePacer::SamplePacer(WireConfig const& wire, std::vector<ZeroOrderHoldSink*>
 
 Result<std::unique_ptr<SamplePacer>> SamplePacer::create(WireConfig const& wire, WirePort& port,
                                                          std::vector<ZeroOrderHoldSink*> streams) {
-    auto sender = FrameSender::open(wire, port.sequence());
+    auto sender = FrameSender::open(wire, port.sequence(), port.authentication());
     if (!sender) {
         return std::unexpected{sender.error()};
     }

@@ -54,7 +54,10 @@ std::int64_t SampleSink::taken_unix_ns(std::int64_t index) {
         return context_.clock.utc_ns(ns);
     }
     if (!zero_unix_ns_) {
-        zero_unix_ns_ = context_.node.start_unix_ns();
+        zero_unix_ns_ = context_.clock.known_start_unix_ns();
+    }
+    if (!zero_unix_ns_) { // it has just come
+        return context_.clock.utc_ns(0);
     }
     double const speed = context_.wire.speed;
     return *zero_unix_ns_ + (speed == 1 ? ns : std::llround(static_cast<double>(ns) / speed));
@@ -102,6 +105,11 @@ SimTime SampleSink::instant(std::int64_t index) const {
     return {static_cast<std::int64_t>((num + den - 1) / den)};
 }
 
+bool SampleSink::is_over(std::int64_t index) const {
+    bus::Node const& node = context_.node;
+    return instant(index) <= node.latest_time() - node.time_base().nearest(node.config().clock.tick_s);
+}
+
 void SampleSink::report(StreamStatistics& out) {
     out.state(sent() > 0 ? STREAM_ALIVE : STREAM_WAITING);
     out.frames(sent());
@@ -122,7 +130,7 @@ Result<std::unique_ptr<IndexedSink>> IndexedSink::create(GatewayContext const& c
     if (context.node.lockstep() || route.config.sending == MappingConfig::Sending::on_arrival) {
         return out;
     }
-    auto own = FrameSender::open(context.wire, context.port.sequence());
+    auto own = FrameSender::open(context.wire, context.port.sequence(), context.port.authentication());
     if (!own) {
         return std::unexpected{own.error()};
     }
@@ -161,10 +169,8 @@ void IndexedSink::put(Moment, std::int64_t index) {
         sender_->push(index, sample_);
         return;
     }
-    if (context_.node.lockstep() &&
-        instant(index) <=
-            context_.node.latest_time() - context_.node.time_base().nearest(context_.node.config().clock.tick_s)) {
-        ++missed_; // too late for a frame
+    if (context_.node.lockstep() && is_over(index)) {
+        ++missed_;
         return;
     }
     if (auto const frame = fill(index, sample_); !frame.empty()) {
@@ -214,7 +220,20 @@ std::optional<std::int64_t> ZeroOrderHoldSink::due() const {
     return next_ ? std::optional{context_.clock.of(instant(*next_))} : std::nullopt;
 }
 
+/// It goes on with the first whole frame of the present tick.
+void ZeroOrderHoldSink::skip_what_is_over() {
+    if (!next_ || !is_over(*next_)) {
+        return;
+    }
+    std::int64_t const before = *next_;
+    while (is_over(*next_) || *next_ % samples_per_frame() != 0) {
+        ++*next_;
+    }
+    missed_ += static_cast<std::uint64_t>(*next_ - before);
+}
+
 void ZeroOrderHoldSink::work(std::int64_t now_ns) {
+    skip_what_is_over();
     while (next_ && context_.clock.of(instant(*next_)) <= now_ns) {
         if (auto const frame = fill(*next_, current_); !frame.empty()) {
             departs(*next_);

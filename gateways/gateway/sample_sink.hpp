@@ -42,6 +42,8 @@ class SampleSink : public Sink {
     void departs(std::int64_t index);
     /// The instant of a sample, as the first one of the time grid that is not before it.
     [[nodiscard]] SimTime instant(std::int64_t index) const;
+    /// Lockstep: it belongs to a tick that is over, in which this process was paused. Nobody sends it later.
+    [[nodiscard]] bool is_over(std::int64_t index) const;
 
     GatewayContext const& context_;
     Route& route_;
@@ -57,7 +59,7 @@ class SampleSink : public Sink {
     std::int64_t shift_samples_{0};
     bool clock_is_lost_{false}; ///< by an event of the timeline
     std::uint8_t synch_;
-    std::optional<std::int64_t> zero_unix_ns_; ///< real time: at simulated time 0; on the thread that sends
+    std::optional<std::int64_t> zero_unix_ns_; ///< real time: at simulated time 0, once known; on the thread that sends
     std::atomic<std::uint64_t> sent_{0}, incomplete_{0};
     SpscRing<Departure> departures_{8192};
 };
@@ -100,14 +102,17 @@ class ZeroOrderHoldSink final : public SampleSink {
         return static_cast<std::int64_t>(publisher_.samples_per_frame());
     }
     [[nodiscard]] std::uint64_t late() const override { return late_.load(std::memory_order_relaxed); }
+    [[nodiscard]] std::uint64_t underruns() const override { return missed_; }
 
   private:
     ZeroOrderHoldSink(GatewayContext const& context, Route& route, iec61850::SvTemplate frame);
     void begin(Moment at);
+    void skip_what_is_over();
 
     std::vector<std::uint8_t> current_;
     TripleBuffer<std::vector<std::uint8_t>> newest_;
     std::optional<std::int64_t> next_; ///< lockstep: index of the next sample
+    std::uint64_t missed_{0};          ///< lockstep: of ticks in which this process was paused
     std::atomic<bool> has_values_{false};
     std::atomic<std::uint64_t> late_{0};
 };

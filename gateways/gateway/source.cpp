@@ -116,8 +116,8 @@ void fill_common(std::vector<Value>& in, std::size_t first, bool alive, bool sim
 
 class SvSource final : public Source {
   public:
-    SvSource(Route& route, Sink& sink, bool lockstep, std::vector<streams::Stream> const& declared)
-        : Source{route, sink}, subscriber_{subscription_of(route)}, layout_{route.from_stream->data_set},
+    SvSource(Route& route, Sink& sink, bool lockstep, double speed, std::vector<streams::Stream> const& declared)
+        : Source{route, sink}, subscriber_{subscription_of(route, speed)}, layout_{route.from_stream->data_set},
           first_line_{route.config.first_line, route.from_stream->rate_hz.to_double(), route.config.accept_test,
                       !lockstep} {
         for (streams::Stream const& other : declared) {
@@ -163,8 +163,8 @@ class SvSource final : public Source {
     [[nodiscard]] std::uint64_t contested() const override { return first_line_.contested(); }
 
   private:
-    static iec61850::SvSubscription subscription_of(Route const& route) {
-        auto out = sv_subscription(*route.from_stream);
+    static iec61850::SvSubscription subscription_of(Route const& route, double speed) {
+        auto out = sv_subscription(*route.from_stream, speed);
         out.simulation = route.config.accept_test;
         return out;
     }
@@ -334,9 +334,9 @@ class GooseSource final : public Source {
 std::unique_ptr<Source> make_topic_source(Route& route, Sink& sink) {
     return std::make_unique<TopicSource>(route, sink);
 }
-std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep,
+std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep, double speed,
                                        std::vector<streams::Stream> const& declared) {
-    return std::make_unique<SvSource>(route, sink, lockstep, declared);
+    return std::make_unique<SvSource>(route, sink, lockstep, speed, declared);
 }
 std::unique_ptr<Source> make_goose_source(Route& route, Sink& sink, WireClock const& clock) {
     return std::make_unique<GooseSource>(route, sink, clock);

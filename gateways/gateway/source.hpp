@@ -73,8 +73,9 @@ class Source {
 /// Constants of the route and their changes; nothing is received.
 [[nodiscard]] std::unique_ptr<Source> make_constant_source(Route& route, Sink& sink, WireClock const& clock,
                                                            double speed);
-/// `declared`: all streams that are known; one of them may have the same svID at another address.
-[[nodiscard]] std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep,
+/// `declared`: all streams that are known; one of them may have the same svID at another address. `speed`: of the
+/// simulation clock in real time.
+[[nodiscard]] std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep, double speed,
                                                      std::vector<streams::Stream> const& declared);
 /// `utc_ns`: for the skew of a message's time.
 [[nodiscard]] std::unique_ptr<Source> make_goose_source(Route& route, Sink& sink, WireClock const& clock);

@@ -14,27 +14,29 @@ using iec61850::GooseSupervision;
 using iec61850::SvSupervision;
 
 std::variant<GooseSupervision, SvSupervision> supervision_of(SubscriptionConfig const& config,
-                                                             streams::Stream const& stream) {
+                                                             streams::Stream const& stream, double speed) {
     if (stream.kind == streams::Kind::goose) {
         auto subscription = goose_subscription(stream);
         subscription.simulation = config.accept_test;
         return GooseSupervision{std::move(subscription)};
     }
-    auto subscription = sv_subscription(stream);
+    auto subscription = sv_subscription(stream, speed);
     subscription.simulation = config.accept_test;
     return SvSupervision{std::move(subscription), stream.data_set};
 }
 
 } // namespace
 
-Subscription::Subscription(WireClock const& clock, SubscriptionConfig const& config, streams::Stream const& stream)
-    : clock_{clock}, stream_{stream}, supervision_{supervision_of(config, stream)},
+Subscription::Subscription(WireClock const& clock, SubscriptionConfig const& config, streams::Stream const& stream,
+                           double speed)
+    : clock_{clock}, stream_{stream}, supervision_{supervision_of(config, stream, speed)},
       watched_{watched_leaves(config, stream)}, layout_{stream.data_set} {}
 
 Result<std::unique_ptr<Subscription>> Subscription::create(bus::Node& node, WireClock const& clock,
                                                            SubscriptionConfig const& config,
-                                                           streams::Stream const& stream, std::size_t number) {
-    auto out = std::unique_ptr<Subscription>{new Subscription{clock, config, stream}};
+                                                           streams::Stream const& stream, double speed,
+                                                           std::size_t number) {
+    auto out = std::unique_ptr<Subscription>{new Subscription{clock, config, stream, speed}};
     auto signals = bus::SignalPublisher::create(node, fmt::format("subscription{}", number),
                                                 subscription_signals(config, stream), {});
     if (!signals) {

@@ -18,10 +18,11 @@ namespace gridspace::gateways {
 /// members that are watched. A row when one of them changes.
 class Subscription {
   public:
-    /// Before Node::start. The configuration was checked; it and the streams must outlive the subscription.
+    /// Before Node::start. The configuration was checked; it and the streams must outlive the subscription. `speed`: of
+    /// the simulation clock in real time.
     [[nodiscard]] static Result<std::unique_ptr<Subscription>> create(bus::Node& node, WireClock const& clock,
                                                                       SubscriptionConfig const& config,
-                                                                      streams::Stream const& stream,
+                                                                      streams::Stream const& stream, double speed,
                                                                       std::size_t number);
 
     [[nodiscard]] streams::Stream const& stream() const { return stream_; }
@@ -35,7 +36,7 @@ class Subscription {
     void report(StreamStatistics& out) const;
 
   private:
-    Subscription(WireClock const& clock, SubscriptionConfig const& config, streams::Stream const& stream);
+    Subscription(WireClock const& clock, SubscriptionConfig const& config, streams::Stream const& stream, double speed);
     void publish(SimTime time);
     [[nodiscard]] iec61850::SupervisionState const& state() const;
 

@@ -223,7 +223,9 @@ GooseVerdict GooseSubscriber::receive(GooseFrame const& m, std::int64_t now_ns, 
     if (m.gocb_ref != subscription_.gocb_ref) {
         return verdict;
     }
-    expire(now_ns); // a message that comes after its time is the first of a resumed stream, whoever looked first
+    if (deadline_ns_ && now_ns > *deadline_ns_) { // whoever looked first; one that comes just in time goes on
+        expire(now_ns);
+    }
     if (auto const refused = reason_to_refuse(m)) {
         verdict = refuse(*refused);
     } else if (match(m, false) == Match::mismatch) {

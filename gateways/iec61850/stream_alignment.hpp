@@ -67,15 +67,20 @@ class StreamAlignment {
         return slot.index == index && slot.values[stream] ? &*slot.values[stream] : nullptr;
     }
 
-    /// Sample `smp_cnt` of stream 0 or 1. `restarted`: the first of the stream, or behind a jump of its counter.
+    /// How a sample goes on from the newest one of its stream, as its subscriber judges it.
+    struct Step {
+        std::int64_t samples{1}; ///< not above 0: it came late
+        bool restarted{false};   ///< the first of the stream, or behind a jump of its counter
+    };
+
+    /// Sample `smp_cnt` of stream 0 or 1. After a silence of half a wrap or more the counter alone does not say which
+    /// sample it is: the step does.
     void push(std::size_t stream, std::uint16_t smp_cnt, std::uint8_t synch, T const& value, std::int64_t now_ns,
-              bool restarted = false) noexcept {
+              Step step = {}) noexcept {
         End& end = ends_[stream];
-        std::int64_t const near = !end.started && ends_[1 - stream].started ? ends_[1 - stream].newest
-                                  : end.started                             ? end.newest + (restarted ? 0 : 1)
-                                                                            : std::int64_t{smp_cnt};
-        std::int64_t index =
-            congruent(smp_cnt, restarted && ends_[1 - stream].started ? ends_[1 - stream].newest : near);
+        bool const restarted = step.restarted;
+        std::int64_t const index = congruent(smp_cnt, near(stream, smp_cnt, now_ns, step));
+        end.heard_ns = now_ns;
         if (!next_) {
             next_ = index;
         }
@@ -170,7 +175,7 @@ class StreamAlignment {
     };
     struct End {
         bool started{false};
-        std::int64_t newest{0};
+        std::int64_t newest{0}, heard_ns{0};
         std::uint8_t synch{0};
     };
 
@@ -184,6 +189,18 @@ class StreamAlignment {
     }
     [[nodiscard]] Slot const& slot_of(std::int64_t index) const noexcept {
         return slots_[static_cast<std::size_t>(index) & (slots_.size() - 1)];
+    }
+
+    /// About which index a sample has.
+    [[nodiscard]] std::int64_t near(std::size_t stream, std::uint16_t smp_cnt, std::int64_t now_ns,
+                                    Step step) const noexcept {
+        End const &end = ends_[stream], &other = ends_[1 - stream];
+        if (!end.started) {
+            return other.started ? other.newest : std::int64_t{smp_cnt};
+        }
+        // A partner that is silent too says nothing about now.
+        bool const joins = step.restarted && other.started && now_ns - other.heard_ns <= timeout_ns_;
+        return joins ? other.newest : end.newest + step.samples;
     }
 
     [[nodiscard]] std::int64_t congruent(std::int64_t value, std::int64_t near) const noexcept {

@@ -73,20 +73,23 @@ FrameAuthentication::Guarded* FrameAuthentication::of(iec61850::FrameHeader cons
     return found == streams_.end() ? nullptr : &*found;
 }
 
-iec61850::Octets FrameAuthentication::sign(iec61850::Octets frame, std::int64_t utc_ns) {
+iec61850::Octets FrameAuthentication::sign(iec61850::Octets frame, std::int64_t utc_ns,
+                                           std::vector<std::uint8_t>& out) {
     iec61850::FrameHeader header;
     Guarded* const guarded = iec61850::decode_header(frame, header) ? of(header) : nullptr;
     if (guarded == nullptr) {
         return frame;
     }
     auto const begin = Clock::now();
-    iec61850::Octets const out = guarded->signer.sign(frame, guarded->sending, utc_ns, counter_);
+    std::lock_guard const alone{signing_now_};
+    iec61850::Octets const with_code = guarded->signer.sign(frame, guarded->sending, utc_ns, counter_);
+    out.assign(with_code.begin(), with_code.end());
     signing_.add(nanoseconds_since(begin));
     if (out.empty() && !std::exchange(guarded->told, true)) {
         log::warning("stream '{}': no key is valid now, or the frame is too long: frames go out without a code",
                      guarded->stream.name.name);
     }
-    return out.empty() ? frame : out;
+    return out.empty() ? frame : iec61850::Octets{out};
 }
 
 bool FrameAuthentication::accept(iec61850::Octets frame, std::int64_t utc_ns, SimTime time) {

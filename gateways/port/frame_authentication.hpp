@@ -10,6 +10,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -31,8 +32,7 @@ inline constexpr unsigned kFirstAuthenticityBit = 20;
 }
 
 /// Codes on the frames that a process sends, and a judge of those that it receives, for all of its streams that are
-/// authenticated. A stream is recognised by ethertype, destination and APPID. Sending and receiving may be two threads,
-/// each alone.
+/// authenticated. A stream is recognised by ethertype, destination and APPID. Any thread may send, and one may receive.
 class FrameAuthentication {
   public:
     using Counters = std::array<std::uint64_t, iec61850::kAuthenticities>;
@@ -43,8 +43,8 @@ class FrameAuthentication {
     [[nodiscard]] static Result<std::unique_ptr<FrameAuthentication>>
     create(std::vector<streams::Stream> const& streams, std::optional<std::int64_t> start_utc_ns);
 
-    /// The frame as it goes out; valid until the next call. Without a valid key, or of another stream: as it came.
-    [[nodiscard]] iec61850::Octets sign(iec61850::Octets frame, std::int64_t utc_ns);
+    /// The frame as it goes out, in `out`. Without a valid key, or of another stream: as it came.
+    [[nodiscard]] iec61850::Octets sign(iec61850::Octets frame, std::int64_t utc_ns, std::vector<std::uint8_t>& out);
     /// Whether a received frame is used.
     [[nodiscard]] bool accept(iec61850::Octets frame, std::int64_t utc_ns, SimTime time);
 
@@ -68,7 +68,8 @@ class FrameAuthentication {
     [[nodiscard]] Guarded* of(iec61850::FrameHeader const& header);
 
     std::vector<Guarded> streams_;
-    std::uint64_t counter_{0};
+    std::mutex signing_now_;
+    std::uint64_t counter_{0}; ///< of all frames that are sent: a vector must not be used twice
     DurationHistogram signing_, checking_;
     Finding finding_;
 };

@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/port/frame_sender.hpp"
 
+#include "gateways/port/arrival_clock.hpp"
+
 #include <algorithm>
 
 namespace gridspace::gateways {
 
-Result<FrameSender> FrameSender::open(WireConfig const& wire, std::atomic<std::uint16_t>& sequence) {
-    FrameSender out{sequence};
+Result<FrameSender> FrameSender::open(WireConfig const& wire, std::atomic<std::uint16_t>& sequence,
+                                      FrameAuthentication* authentication) {
+    FrameSender out{sequence, authentication};
     for (WirePlace const* place : wire.places()) {
         ethernet::PortOptions options;
         options.interface = place->interface;
@@ -20,6 +23,19 @@ Result<FrameSender> FrameSender::open(WireConfig const& wire, std::atomic<std::u
     }
     out.routed_ = routed_streams(wire, out.ports_.front().mac());
     return out;
+}
+
+std::span<iec61850::Octets const> FrameSender::with_codes(std::span<iec61850::Octets const> frames) {
+    if (authentication_ == nullptr) {
+        return frames;
+    }
+    std::int64_t const utc_ns = ArrivalClock::read().utc_ns;
+    signed_.resize(std::max(signed_.size(), frames.size()));
+    signed_batch_.clear();
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        signed_batch_.push_back(authentication_->sign(frames[i], utc_ns, signed_[i]));
+    }
+    return signed_batch_;
 }
 
 std::span<iec61850::Octets const> FrameSender::on_the_wire(std::span<iec61850::Octets const> frames) {
@@ -35,7 +51,7 @@ std::span<iec61850::Octets const> FrameSender::on_the_wire(std::span<iec61850::O
 }
 
 void FrameSender::send(std::span<iec61850::Octets const> given) {
-    auto const frames = on_the_wire(given);
+    auto const frames = on_the_wire(with_codes(given));
     if (ports_.size() == 1) {
         ports_.front().send(frames);
         return;

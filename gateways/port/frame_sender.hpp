@@ -3,6 +3,7 @@
 #pragma once
 
 #include "gateways/ethernet/port.hpp"
+#include "gateways/port/frame_authentication.hpp"
 #include "gateways/port/routed_streams.hpp"
 #include "gateways/prp/redundancy_trailer.hpp"
 
@@ -14,11 +15,14 @@
 namespace gridspace::gateways {
 
 /// Sends frames in real time from a thread of its own, where the process is on the wire: once, or with PRP on both
-/// networks; in a datagram where its stream goes over UDP. One thread at a time.
+/// networks; with its code where its stream is authenticated; in a datagram where it goes over UDP. One thread at a
+/// time.
 class FrameSender {
   public:
-    /// `sequence`: of the process's redundancy control trailers, for all its senders; it must outlive this.
-    [[nodiscard]] static Result<FrameSender> open(WireConfig const& wire, std::atomic<std::uint16_t>& sequence);
+    /// `sequence`: of the process's redundancy control trailers, `authentication`: of its frames (may be none). Both
+    /// are for all its senders and must outlive this.
+    [[nodiscard]] static Result<FrameSender> open(WireConfig const& wire, std::atomic<std::uint16_t>& sequence,
+                                                  FrameAuthentication* authentication);
 
     /// Hands frames to the kernel, all of a network in one call where possible. Allocates nothing once its buffers have
     /// grown.
@@ -28,11 +32,16 @@ class FrameSender {
     void maintain();
 
   private:
-    explicit FrameSender(std::atomic<std::uint16_t>& sequence) : sequence_{&sequence} {}
+    FrameSender(std::atomic<std::uint16_t>& sequence, FrameAuthentication* authentication)
+        : sequence_{&sequence}, authentication_{authentication} {}
 
+    [[nodiscard]] std::span<iec61850::Octets const> with_codes(std::span<iec61850::Octets const> frames);
     [[nodiscard]] std::span<iec61850::Octets const> on_the_wire(std::span<iec61850::Octets const> frames);
 
     std::atomic<std::uint16_t>* sequence_;
+    FrameAuthentication* authentication_;
+    std::vector<std::vector<std::uint8_t>> signed_;
+    std::vector<iec61850::Octets> signed_batch_;
     RoutedStreams routed_;
     std::vector<std::vector<std::uint8_t>> datagrams_;
     std::vector<iec61850::Octets> routed_batch_;

@@ -43,14 +43,16 @@ namespace gridspace::gateways {
     return out;
 }
 
-[[nodiscard]] inline iec61850::SvSubscription sv_subscription(streams::Stream const& s) {
+/// `speed`: of the simulation clock in real time, see WireConfig. Samples come so much faster; the counter still wraps
+/// after a second of theirs.
+[[nodiscard]] inline iec61850::SvSubscription sv_subscription(streams::Stream const& s, double speed = 1) {
     iec61850::SvSubscription out;
     out.sv_id = s.sv_id;
     out.destination = s.address.destination;
     out.app_id = s.address.app_id;
     out.conf_rev = s.conf_rev;
     out.sample_octets = iec61850::SvLayout{s.data_set}.sample_octets();
-    out.rate_hz = s.rate_hz.to_double();
+    out.rate_hz = s.rate_hz.to_double() * speed;
     out.wrap = static_cast<std::uint32_t>(s.rate_hz.num());
     // Whole frames are late, and come at their own pace.
     auto const samples = static_cast<std::uint32_t>(s.samples_per_frame);

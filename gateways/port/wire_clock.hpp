@@ -34,6 +34,11 @@ class WireClock {
     }
     /// UTC of simulated time 0; in real time 0 before it is known.
     [[nodiscard]] std::int64_t start_utc_ns() const { return simulated() ? utc_ns(0) : node_.start_unix_ns(); }
+    /// Real time: the same, and nothing before it is known. Without a simulator it always is: UTC counts from 1970.
+    [[nodiscard]] std::optional<std::int64_t> known_start_unix_ns() const {
+        std::int64_t const start = node_.start_unix_ns();
+        return start != 0 || node_.config().clock.simulator.empty() ? std::optional{start} : std::nullopt;
+    }
     /// Nanoseconds of simulated time at `tick`; in real time now, at that speed, and -1 before it is known.
     [[nodiscard]] std::int64_t simulated_ns(SimTime tick, double speed) const {
         if (simulated()) {

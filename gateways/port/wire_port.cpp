@@ -180,7 +180,7 @@ void WirePort::send(std::span<std::uint8_t const> frame, SimTime at) {
     }
     if (authentication_ != nullptr) {
         WireClock const clock{node_};
-        frame = authentication_->sign(frame, clock.utc_at(clock.simulated() ? clock.of(at) : clock.now()));
+        frame = authentication_->sign(frame, clock.utc_at(clock.simulated() ? clock.of(at) : clock.now()), signed_);
     }
     frame = routed_.on_the_wire(frame, datagram_);
     if (links_.size() > 1) {

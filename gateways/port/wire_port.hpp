@@ -37,7 +37,7 @@ class WirePort {
     /// Frames that are due and not refused for want of authenticity, valid until the next call for the same ethertype.
     /// Messages that came over UDP are there as Ethernet frames of their own.
     [[nodiscard]] std::span<bus::WireFrame const* const> take(std::uint16_t ethertype);
-    /// Nothing when none of its streams is authenticated.
+    /// Nothing when none of its streams is authenticated. Who sends beside it (FrameSender) signs with it too.
     [[nodiscard]] FrameAuthentication* authentication() { return authentication_.get(); }
 
     /// Lockstep: the earliest time of the frames that are here and not due yet.
@@ -72,7 +72,7 @@ class WirePort {
 
     bus::Node& node_;
     RoutedStreams routed_;
-    std::vector<std::uint8_t> datagram_;
+    std::vector<std::uint8_t> signed_, datagram_;
     ethernet::GroupMembership groups_;
     bool open_datagrams_{true};
     iec61850::RoutableFrame session_;

@@ -333,6 +333,23 @@ Result<iec61850::GooseTemplate> Stream::goose_template(iec61850::Mac source) con
     return iec61850::GooseTemplate::create(from, {control_block, data_set_name, go_id, conf_rev, data_set, integers});
 }
 
+std::size_t Stream::longest_payload() const {
+    std::size_t longest = 0;
+    if (kind == Kind::smv) {
+        auto const made = sv_template({});
+        longest = made ? made->frame().size() : 0;
+    } else {
+        auto const made = goose_template({});
+        longest = made ? made->longest_frame() : 0;
+    }
+    if (longest == 0) {
+        return 0;
+    }
+    std::size_t const code = authentication ? iec61850::extension_octets(authentication->algorithm) : 0;
+    std::size_t const datagram = udp ? iec61850::kRoutableOverhead - iec61850::kHeaderOctets : 0;
+    return longest - iec61850::app_id_offset(address) + code + datagram;
+}
+
 void describe(Fields& f, Stream& stream) {
     f.choice<Kind>("kind", stream.kind, {{"smv", Kind::smv}, {"goose", Kind::goose}},
                    {.doc = "sampled values, or GOOSE", .required = true});

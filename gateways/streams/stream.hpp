@@ -67,6 +67,8 @@ struct Stream {
     /// The template of its frames, sent from `source`.
     [[nodiscard]] Result<iec61850::SvTemplate> sv_template(iec61850::Mac source) const;
     [[nodiscard]] Result<iec61850::GooseTemplate> goose_template(iec61850::Mac source) const;
+    /// Octets behind the ethertype of its longest frame as it goes out: with its code, in its datagram. 0: it has none.
+    [[nodiscard]] std::size_t longest_payload() const;
 };
 
 /// The keys of one stream.

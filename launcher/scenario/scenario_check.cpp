@@ -239,6 +239,9 @@ void check_doubly_attached(Scenario const& s, Diagnostics& diagnostics) {
                               "`prp:` is for devices on a process bus",
                               static_cast<int>(process.prp.front().name.size()));
         }
+        if (!process.prp.empty() && process.settings != nullptr) {
+            check_room_for_trailers(s, process, diagnostics);
+        }
     }
 }
 

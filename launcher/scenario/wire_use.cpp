@@ -3,12 +3,15 @@
 #include "launcher/scenario/wire_use.hpp"
 
 #include "common/text.hpp"
+#include "gateways/iec61850/frame.hpp"
 #include "gateways/port/wire_config.hpp"
+#include "gateways/prp/redundancy_trailer.hpp"
 #include "launcher/scenario/addresses.hpp"
 #include "launcher/scenario/bumps.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <set>
 
 namespace gridspace::launcher {
 namespace {
@@ -138,6 +141,27 @@ void check_raw_link(Scenario const& scenario, Process const& process, config::Di
         all.empty() ? fmt::format("host '{}' is plugged into no link", process.host.name)
                     : fmt::format("`link:` one of {}", join(all, ", ")),
         static_cast<int>(at.name.size()));
+}
+
+void check_room_for_trailers(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) {
+    constexpr std::size_t kRoom = iec61850::kMaxLength - prp::kTrailerOctets;
+    std::set<std::string> seen; // it is sent on both networks
+    for (WireUse const& use : frames_sent(scenario, process)) {
+        streams::Stream const* const stream = streams::find_stream(scenario.streams, use.stream);
+        if (process.prp.empty() || stream == nullptr || !seen.insert(use.stream).second ||
+            stream->longest_payload() <= kRoom) {
+            continue;
+        }
+        diagnostics.error(
+            stream->name.where,
+            fmt::format("a frame of stream '{}' could have {} octets behind the ethertype, and '{}' sends "
+                        "it with `prp`",
+                        stream->name.name, stream->longest_payload(), process.name.name),
+            fmt::format("with the redundancy trailer there is room for {}: fewer samples_per_frame or "
+                        "members",
+                        kRoom),
+            static_cast<int>(stream->name.name.size()));
+    }
 }
 
 config::Node wire_settings(Scenario const& scenario, Process const& process) {

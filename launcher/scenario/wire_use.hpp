@@ -18,6 +18,9 @@ void check_raw_link(Scenario const& scenario, Process const& process, config::Di
 [[nodiscard]] std::vector<WireUse> frames_sent(Scenario const& scenario, Process const& process);
 [[nodiscard]] std::vector<WireUse> frames_received(Scenario const& scenario, Process const& process);
 
+/// Of a doubly attached process: that each frame that it sends has room for the redundancy control trailer.
+void check_room_for_trailers(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics);
+
 /// `wire:` of the settings of a process with raw frames: link, interface and MAC address of its port.
 [[nodiscard]] config::Node wire_settings(Scenario const& scenario, Process const& process);
 

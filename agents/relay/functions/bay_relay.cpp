@@ -41,7 +41,7 @@ BayRelay::BayRelay(BayParams const& params, FunctionSet functions)
 }
 
 /// Bridges a short gap; after a long one the window begins anew.
-void BayRelay::take(Input& input, std::optional<Abc> const& value, std::int64_t index) const {
+void BayRelay::take(Input& input, std::optional<Abc> const& value, std::int64_t index) {
     std::int64_t const missing = input.has_last ? index - input.last_index - 1 : 0;
     if (input.has_last && missing + (value ? 0 : 1) > params_.max_interpolated) {
         input.has_last = false;
@@ -56,12 +56,19 @@ void BayRelay::take(Input& input, std::optional<Abc> const& value, std::int64_t 
         for (std::size_t p = 0; p < 3; ++p) {
             between[p] = input.last[p] + share * ((*value)[p] - input.last[p]);
         }
-        input.estimator.push(between);
+        push(input, between);
     }
-    input.estimator.push(*value);
+    push(input, *value);
     input.last = *value;
     input.last_index = index;
     input.has_last = true;
+}
+
+void BayRelay::push(Input& input, Abc const& value) {
+    input.estimator.push(value);
+    if (&input == &inputs_[1]) {
+        follow_voltage();
+    }
 }
 
 /// Its sample is missing and may still be bridged.
@@ -75,6 +82,7 @@ void BayRelay::step(BaySample const& sample) {
     }
     started_ = true;
     index_ = sample.index;
+    follow_frequency();
     std::array<std::optional<Abc> const*, 3> const values{&sample.i_a, &sample.v_v, &sample.bus_v};
     bool waiting = false;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -96,11 +104,12 @@ void BayRelay::lost(std::uint8_t inputs) {
             inputs_[k].estimator.clear();
         }
     }
+    follow_frequency();
     measure();
     decide();
 }
 
-void BayRelay::measure() {
+void BayRelay::follow_frequency() {
     double const steady = frequency_.steady();
     if (steady != relative_) {
         relative_ = steady;
@@ -112,6 +121,21 @@ void BayRelay::measure() {
         double const two = 4 * std::numbers::pi * (steady - 1);
         turn_two_cycles_ = {elementary::cos(two), elementary::sin(two)};
     }
+}
+
+/// Frequency and memory count samples: of each one, also of those that are bridged, they want a phasor.
+void BayRelay::follow_voltage() {
+    if (!inputs_[1].estimator.full()) {
+        return;
+    }
+    follow_frequency();
+    voltage_ = inputs_[1].estimator.phasors();
+    voltage_sequence_ = sequence_of(voltage_);
+    frequency_.push(voltage_sequence_.positive);
+    memory_.push(voltage_sequence_.positive, turn_, turn_two_cycles_);
+}
+
+void BayRelay::measure() {
     measured_.available = 0;
     if (inputs_[0].estimator.full()) {
         measured_.i = inputs_[0].estimator.phasors();
@@ -134,10 +158,8 @@ void BayRelay::measure_voltages() {
         memory_.clear();
         return;
     }
-    measured_.v = inputs_[1].estimator.phasors();
-    measured_.v_sequence = sequence_of(measured_.v);
-    frequency_.push(measured_.v_sequence.positive);
-    memory_.push(measured_.v_sequence.positive, turn_, turn_two_cycles_);
+    measured_.v = voltage_;
+    measured_.v_sequence = voltage_sequence_;
     measured_.polarising = memory_.voltage();
     measured_.frequency_hz = frequency_.hz();
     measured_.rocof_hz_per_s = frequency_.hz_per_s();

@@ -79,8 +79,11 @@ class BayRelay {
         std::int64_t last_index{0};
         bool has_last{false};
     };
-    void take(Input& input, std::optional<Abc> const& value, std::int64_t index) const;
+    void take(Input& input, std::optional<Abc> const& value, std::int64_t index);
+    void push(Input& input, Abc const& value);
     [[nodiscard]] bool is_waiting(Input const& input, std::int64_t index) const;
+    void follow_frequency();
+    void follow_voltage();
     void measure();
     void measure_voltages();
     void decide();
@@ -91,6 +94,8 @@ class BayRelay {
     std::array<Input, 3> inputs_; ///< currents, voltages, bus voltages
     FrequencyEstimator frequency_;
     PolarisingMemory memory_;
+    Phasors voltage_{}; ///< of the newest sample
+    Sequence voltage_sequence_;
     double relative_{0}; ///< frequency by which phasors are formed
     Complex turn_, turn_two_cycles_;
     Measurement measured_;

@@ -39,6 +39,7 @@ class Reader {
         : context_{context}, all_{all}, diagnostics_{diagnostics} {}
 
     NamedFunction read(Named const& one) {
+        reading_ = static_cast<std::size_t>(&one - all_.data());
         NamedFunction out{one.name.name, one.of, one.of < NodeClass::rsyn && one.of != NodeClass::rdir, nullptr, false};
         bool const measures = one.of == NodeClass::ptoc || one.of == NodeClass::pioc || one.of == NodeClass::pdis;
         config::read_fields(*one.settings, "functions." + one.name.name, diagnostics_, [&](Fields& f) {
@@ -117,13 +118,19 @@ class Reader {
         }
         return out;
     }
-    void direction(Fields& f, Direction& out) {
+    void direction(Fields& f, CurrentOf measures, Direction& out) {
         Ref of;
         f.reference("directional", of, {.doc = "an RDIR function; every direction when not given"});
         f.choice<bool>("direction", out.forward, {{"forward", true}, {"reverse", false}},
                        {.doc = "with `directional`: the direction that counts"});
         if (!of.empty()) {
             out.of = refer(f, "directional", of, NodeClass::rdir);
+            bool const by_phase = out.of && std::ranges::find(by_phase_, *out.of) != by_phase_.end();
+            if (by_phase && measures != CurrentOf::phases) {
+                f.error("directional",
+                        fmt::format("{} gives a direction to each phase, and this current is of none", of.name),
+                        "`polarisation:` of a direction for such currents: zero_sequence, negative_sequence");
+            }
         } else if (f.has("direction")) {
             f.error("direction", "a direction by which function?", "`directional: RDIR1`, and an RDIR1 of its own");
         }
@@ -152,6 +159,9 @@ class Reader {
         f.number("sector_deg", p.sector_deg, {.doc = "to both sides of it", .max = 90, .above = 0});
         f.number("minimum_a", p.minimum_a, {.doc = "current below which there is no direction", .min = 0});
         f.number("minimum_v", p.minimum_v, {.doc = "voltage below which there is none", .min = 0});
+        if (p.polarisation == Polarisation::cross) {
+            by_phase_.push_back(reading_);
+        }
         return std::make_unique<Rdir>(p);
     }
 
@@ -160,7 +170,7 @@ class Reader {
         PtocParams p;
         p.rate_hz = context_.rate_hz;
         current(f, p.measures, p.pickup_a, p.dropout_ratio);
-        direction(f, p.direction);
+        direction(f, p.measures, p.direction);
         f.choice<Curve>("curve", p.curve,
                         {{"definite_time", Curve::definite_time},
                          {"iec_normal_inverse", Curve::iec_normal_inverse},
@@ -198,7 +208,7 @@ class Reader {
         PiocParams p;
         p.rate_hz = context_.rate_hz;
         current(f, p.measures, p.pickup_a, p.dropout_ratio);
-        direction(f, p.direction);
+        direction(f, p.measures, p.direction);
         f.integer("confirm_samples", p.confirm_samples, {.doc = "samples in a row above it", .min = 1, .max = 1000});
         return std::make_unique<Pioc>(p);
     }
@@ -323,6 +333,8 @@ class Reader {
     FunctionContext const& context_;
     std::vector<Named> const& all_;
     Diagnostics& diagnostics_;
+    std::size_t reading_{0};            ///< of all_
+    std::vector<std::size_t> by_phase_; ///< RDIR functions that answer for each phase; they are read before the others
 };
 
 std::vector<Named> named_functions(Node const& functions, Diagnostics& diagnostics) {

@@ -403,6 +403,16 @@ TEST(GooseSubscriber, NoticesSilenceByItselfAndActsFailSafe) {
     EXPECT_TRUE(sut.value(0).boolean());
 }
 
+TEST(GooseSubscriber, GoesOnWithAMessageThatComesJustWhenItsTimeIsOver) {
+    for (std::int64_t const late_ns : {0, 1}) {
+        GooseSubscriber sut{subscription()};
+        give(sut, message(1, 0, true), 0);
+        auto const event = give(sut, message(1, 1, true), 30 * kMs + late_ns).event;
+        EXPECT_EQ(event, late_ns == 0 ? GooseEvent::repetition : GooseEvent::resumed);
+        EXPECT_EQ(sut.counters().expired, late_ns == 0 ? 0U : 1U);
+    }
+}
+
 TEST(GooseSubscriber, HoldsTheLastValueAfterSilenceWhenNothingElseIsAsked) {
     GooseSubscriber sut{subscription()};
     give(sut, message(1, 0, true), 0);

@@ -678,8 +678,8 @@ TEST(StreamAlignment, SaysWhetherTheClocksAreTheSame) {
 TEST(StreamAlignment, HoldsAPairBackAndShowsItMeanwhile) {
     Alignment sut{kTimeout, 4800, 1};
     std::uint16_t const last = 4799;
-    sut.push(0, last, 2, 1, 0, true);
-    sut.push(1, last, 2, 2, 0, true);
+    sut.push(0, last, 2, 1, 0, {.restarted = true});
+    sut.push(1, last, 2, 2, 0, {.restarted = true});
     EXPECT_FALSE(sut.pop(0));
     ASSERT_NE(sut.waiting(0, last), nullptr);
     *sut.waiting(0, last) = 7;
@@ -704,9 +704,41 @@ TEST(StreamAlignment, BeginsAnewAfterAJumpOfBothStreams) {
     }
     EXPECT_EQ(drain(sut, 0).size(), 1U);
     for (std::size_t stream : {0U, 1U}) {
-        sut.push(stream, 2000, 2, 5, kPeriod, true);
+        sut.push(stream, 2000, 2, 5, kPeriod, {.restarted = true});
     }
     EXPECT_THAT(drain(sut, kPeriod), ElementsAre(entry(2000, 5, 5)));
+}
+
+TEST(StreamAlignment, JoinsAStreamThatWasSilentForMoreThanHalfOfAWrap) {
+    Alignment sut{kTimeout, 4800};
+    for (std::int64_t i = 0; i <= 3400; ++i) {
+        auto const count = static_cast<std::uint16_t>(i);
+        sut.push(0, count, 2, 1, i * kPeriod);
+        if (i == 0 || i == 3400) {
+            sut.push(1, count, 2, 2, i * kPeriod, {.samples = i == 0 ? 1 : 3400});
+        }
+        if (i < 3400) {
+            drain(sut, i * kPeriod);
+        }
+    }
+    EXPECT_EQ(drain(sut, 3400 * kPeriod).back(), entry(3400, 1, 2));
+    EXPECT_EQ(sut.counters().too_late, 0U);
+}
+
+TEST(StreamAlignment, GoesOnBehindASilenceOfBothStreamsAndNotBesideIt) {
+    for (std::int64_t const silent : {2000, 3000, 4800, 8000, 9600}) {
+        bool const restarted = silent > 4800; // as a subscriber judges it
+        Alignment sut{kTimeout, 4800};
+        for (std::size_t stream : {0U, 1U}) {
+            sut.push(stream, 7, 2, 1, 0);
+        }
+        EXPECT_THAT(drain(sut, 0), ElementsAre(entry(7, 1, 1)));
+        for (std::size_t stream : {0U, 1U}) {
+            sut.push(stream, static_cast<std::uint16_t>((7 + silent) % 4800), 2, 2, silent * kPeriod,
+                     {silent, restarted});
+        }
+        EXPECT_THAT(drain(sut, silent * kPeriod), ElementsAre(entry(7 + silent, 2, 2))) << silent;
+    }
 }
 
 TEST(SampleHold, BridgesOneSampleAndNotTwo) {

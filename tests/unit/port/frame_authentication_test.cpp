@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <set>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 
 namespace gridspace::gateways {
@@ -96,7 +98,8 @@ TEST(FrameAuthentication, RefusesWhatIsRequiredAndReportsWhatIsNot) {
     for (streams::Stream const* const s : std::array<streams::Stream const*, 3>{&strict, &lenient, &plain}) {
         auto const frame = frame_of(*s);
         EXPECT_EQ(sut->accept(frame, kNow, {}), s != &strict); // nobody's code
-        auto const sent = sender->sign(frame, kNow);
+        std::vector<std::uint8_t> buffer;
+        auto const sent = sender->sign(frame, kNow, buffer);
         EXPECT_EQ(sent.size() == frame.size(), s == &plain);
         EXPECT_TRUE(sut->accept(sent, kNow, {}));
     }
@@ -106,10 +109,38 @@ TEST(FrameAuthentication, RefusesWhatIsRequiredAndReportsWhatIsNot) {
     EXPECT_EQ(sut->counters("C"), nullptr);
 }
 
+TEST(FrameAuthentication, SignsForThreadsThatSendBesideEachOther) {
+    auto const a = stream("A", 0x4001, true), b = stream("B", 0x4002, true);
+    auto sut = std::move(*FrameAuthentication::create({a, b}, std::nullopt));
+    std::array<std::vector<std::vector<std::uint8_t>>, 2> sent;
+    auto const send = [&](std::size_t which) {
+        auto const frame = frame_of(which == 0 ? a : b);
+        for (int i = 0; i < 2000; ++i) {
+            std::vector<std::uint8_t> buffer;
+            (void)sut->sign(frame, kNow, buffer);
+            sent[which].push_back(std::move(buffer));
+        }
+    };
+    std::thread other{send, 1};
+    send(0);
+    other.join();
+    std::set<std::vector<std::uint8_t>> vectors;
+    for (auto const& frames : sent) {
+        for (auto const& frame : frames) {
+            EXPECT_TRUE(sut->accept(frame, kNow, {}));
+            std::size_t const end = frame.size() - iec61850::extension_octets(a.authentication->algorithm);
+            vectors.insert({frame.begin() + static_cast<std::ptrdiff_t>(end + 9),
+                            frame.begin() + static_cast<std::ptrdiff_t>(end + 21)});
+        }
+    }
+    EXPECT_EQ(vectors.size(), 4000U) << "one is used twice with the same key";
+}
+
 TEST(FrameAuthentication, AFrameOfOneStreamIsNotGenuineInAnotherOfTheSameKey) {
     auto const a = stream("A", 0x4001, true), b = stream("B", 0x4002, true);
     auto sut = std::move(*FrameAuthentication::create({a, b}, std::nullopt));
-    auto const sent = sut->sign(frame_of(a), kNow);
+    std::vector<std::uint8_t> buffer;
+    auto const sent = sut->sign(frame_of(a), kNow, buffer);
     std::vector<std::uint8_t> moved{sent.begin(), sent.end()};
     moved[19] = 2; // the APPID behind the VLAN tag
     EXPECT_FALSE(sut->accept(moved, kNow, {}));

@@ -168,6 +168,21 @@ TEST(BadStream, OneThatComesBackIsTrustedAfterAWholeWindow) {
     expect_recovered(sut);
 }
 
+TEST(BadStream, OneThatComesBackIsTrustedHoweverLongItWasSilent) {
+    for (std::int64_t const tenths : {4, 6, 9, 10, 11, 16, 26}) {
+        for (bool const both : {false, true}) {
+            SCOPED_TRACE(testing::Message() << tenths << " tenths of a second, " << (both ? "both" : "one"));
+            Line sut;
+            start(sut);
+            sut.run(tenths * kRate / 10, {.silent = true}, {.silent = both});
+            EXPECT_TRUE(sut.blocked());
+            sut.run(kWindow / 2);
+            EXPECT_TRUE(sut.blocked()) << "half of the window is of before the silence";
+            expect_recovered(sut);
+        }
+    }
+}
+
 TEST(BadStream, BothThatStopBlockThoughNoPartnerIsMissing) {
     Line sut;
     start(sut);

@@ -129,5 +129,52 @@ TEST(BayRelay, MeasuresDistanceByTwoInputsAndFrequencyByTheVoltage) {
     EXPECT_TRUE(sut.trip());
 }
 
+/// The largest errors of frequency and of its rate in half a second in which `lost` samples of `inputs` are missing.
+std::pair<double, double> frequency_errors(std::int64_t lost, std::uint8_t inputs) {
+    constexpr double kHz = 59.5;
+    BayRelay sut{bay(kCurrents | kVoltages), overcurrent()};
+    std::pair<double, double> worst{};
+    for (std::int64_t k = 0; k < 3600; ++k) {
+        double const t = static_cast<double>(k) / kRateHz;
+        std::uint8_t const missing = k >= 1200 && k < 1200 + lost ? inputs : std::uint8_t{0};
+        BaySample s{k, at(balanced(1), kHz, t), at(balanced(100), kHz, t), std::nullopt};
+        s.i_a = (missing & kCurrents) != 0 ? std::nullopt : s.i_a;
+        s.v_v = (missing & kVoltages) != 0 ? std::nullopt : s.v_v;
+        sut.step(s);
+        if (k >= 1200) {
+            worst.first = std::max(worst.first, std::abs(sut.measured().frequency_hz - kHz));
+            worst.second = std::max(worst.second, std::abs(sut.measured().rocof_hz_per_s));
+        }
+    }
+    return worst;
+}
+
+TEST(BayRelay, MeasuresTheFrequencyAcrossLostSamples) {
+    for (std::int64_t const lost : {0, 1, 2, 3}) {
+        for (std::uint8_t const inputs : {kCurrents, kVoltages, static_cast<Quantity>(kCurrents | kVoltages)}) {
+            SCOPED_TRACE(testing::Message() << lost << " of " << int{inputs});
+            auto const [hz, hz_per_s] = frequency_errors(lost, inputs);
+            EXPECT_LT(hz, 0.02);
+            EXPECT_LT(hz_per_s, 0.3);
+        }
+    }
+}
+
+TEST(BayRelay, MeasuresTheFrequencyWhenItsCurrentsAreLost) {
+    BayRelay sut{bay(kCurrents | kVoltages), overcurrent()};
+    for (std::int64_t k = 0; k < 2400; ++k) {
+        double const t = static_cast<double>(k) / kRateHz;
+        BaySample s{k, at(balanced(1), 59.5, t), at(balanced(100), 59.5, t), std::nullopt};
+        s.i_a = k >= 1200 ? std::nullopt : s.i_a;
+        sut.step(s);
+        if (k == 1300) {
+            sut.lost(kCurrents);
+        }
+        if (k >= 1200) {
+            ASSERT_NEAR(sut.measured().frequency_hz, 59.5, 1e-6) << k;
+        }
+    }
+}
+
 } // namespace
 } // namespace gridspace::relay

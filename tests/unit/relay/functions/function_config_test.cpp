@@ -66,6 +66,22 @@ TEST(FunctionConfig, NamesWhatIsWrongWithItsPlace) {
     }
 }
 
+TEST(FunctionConfig, TakesADirectionOfEachPhaseForCurrentsOfPhasesOnly) {
+    for (std::string const function : {"PTOC1", "PIOC1"}) {
+        for (std::string const measures : {"phases", "residual", "negative_sequence"}) {
+            for (std::string const polarisation : {"cross", "positive_sequence", "zero_sequence"}) {
+                config::Diagnostics diagnostics;
+                auto const set = read(function + ": {pickup_a: 5, measures: " + measures +
+                                          ", directional: RDIR1}\nRDIR1: {polarisation: " + polarisation + "}\n",
+                                      diagnostics, kCurrents | kVoltages);
+                bool const wrong = measures != "phases" && polarisation == "cross";
+                EXPECT_EQ(set.has_value(), !wrong) << function << measures << polarisation;
+                EXPECT_EQ(diagnostics.render().find("this current is of none") != std::string::npos, wrong);
+            }
+        }
+    }
+}
+
 TEST(FunctionConfig, FindsTheClassInAName) {
     NodeClass of{};
     EXPECT_TRUE(class_in("Z2PDIS3", of));
