@@ -69,6 +69,7 @@ class EmtEngine final : public Engine {
     void resume_converters(std::vector<int> const& switches);
     /// Gives the star of an element at one bus the admittance that the element has now.
     void change_star(std::size_t one_port);
+    void change_inductance(NetworkCircuit::OnePortParts& parts, double l_h);
     [[nodiscard]] Result<void> step(double t_end, double h);
     /// Where waveforms begin by the balanced power flow.
     struct BalancedStart {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <utility>
 
 /// Quantities that are set while a simulation runs.
 namespace gridspace::sim::emt {
@@ -65,21 +66,37 @@ void EmtEngine::change_star(std::size_t index) {
     auto& terms = c.switches[static_cast<std::size_t>(parts.breaker)].terms;
     auto const all = [](double x) { return PhaseMatrix::sequence(x, x); };
     c.rl[static_cast<std::size_t>(parts.resistance)].r = all(e.r_ohm);
-    if (parts.inductance >= 0) {
-        c.rl[static_cast<std::size_t>(parts.inductance)].l = all(e.l_h);
-    } else if (e.l_h < kNothing) {
-        parts.inductance = static_cast<int>(c.rl.size());
-        c.rl.push_back({parts.node, kEarth, {}, all(e.l_h)});
-        terms.push_back({CurrentTerm::Kind::rl, parts.inductance, 1});
-    }
+    change_inductance(parts, e.l_h);
     if (parts.capacitance >= 0) {
         c.capacitors[static_cast<std::size_t>(parts.capacitance)].c = all(e.c_f);
     } else if (e.c_f > 0) {
         parts.capacitance = static_cast<int>(c.capacitors.size());
         c.capacitors.push_back({parts.node, kEarth, all(e.c_f)});
         terms.push_back({CurrentTerm::Kind::capacitor, parts.capacitance, 1});
+        solver_.start_capacitor(parts.capacitance, parts.resistance);
     }
     solver_.rebuild();
+}
+
+/// The flux of a steady state, v / (j w), does not depend on the inductance: what keeps it has its new current at once,
+/// and no direct current, which would last for L / R of the network behind.
+void EmtEngine::change_inductance(NetworkCircuit::OnePortParts& parts, double l_h) {
+    Circuit& c = solver_.circuit();
+    PhaseMatrix const l = PhaseMatrix::sequence(l_h, l_h);
+    if (parts.inductance >= 0) {
+        double const before_h = std::exchange(c.rl[static_cast<std::size_t>(parts.inductance)].l, l).one;
+        if (before_h < kNothing || l_h >= kNothing) {
+            solver_.keep_flux(parts.inductance, before_h, l_h);
+        } else { // the flux of what conducted nothing may be from before an outage
+            solver_.start_inductor(parts.inductance, parts.resistance);
+        }
+    } else if (l_h < kNothing) {
+        parts.inductance = static_cast<int>(c.rl.size());
+        c.rl.push_back({parts.node, kEarth, {}, l});
+        c.switches[static_cast<std::size_t>(parts.breaker)].terms.push_back(
+            {CurrentTerm::Kind::rl, parts.inductance, 1});
+        solver_.start_inductor(parts.inductance, parts.resistance);
+    }
 }
 
 bool EmtEngine::set_two_port(Setting const& setting, double value) {

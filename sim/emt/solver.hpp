@@ -52,6 +52,13 @@ class Solver {
     [[nodiscard]] Circuit const& circuit() const { return circuit_; }
     /// After changes of the circuit. New elements start without current; indices do not change.
     void rebuild();
+    // Before rebuild(), where an element's change must not leave what would have to die away:
+    /// An inductor's current goes with its flux.
+    void keep_flux(int branch, double l_before_h, double l_h);
+    /// An inductor begins with the flux, and a capacitor with the voltage, that it would have if it had always been
+    /// there: beside an RL branch with the same voltage.
+    void start_inductor(int branch, int beside);
+    void start_capacitor(int branch, int beside);
     /// Splits an RL branch in two at a share of its length, with the same current in both; returns the second part's
     /// index.
     [[nodiscard]] int split_rl(int branch, double share, std::string const& name);

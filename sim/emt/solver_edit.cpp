@@ -9,6 +9,33 @@
 /// Changes of the circuit while it is simulated.
 namespace gridspace::sim::emt {
 
+void Solver::keep_flux(int branch, double l_before_h, double l_h) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        state_.rl_i[3 * static_cast<std::size_t>(branch) + k] *= l_before_h / l_h;
+    }
+}
+
+void Solver::start_inductor(int branch, int beside) {
+    auto const b = 3 * static_cast<std::size_t>(branch), other = 3 * static_cast<std::size_t>(beside);
+    state_.rl_v.resize(3 * circuit_.rl.size(), 0.0);
+    state_.rl_i.resize(3 * circuit_.rl.size(), 0.0);
+    double const x_ohm = 2 * std::numbers::pi * circuit_.frequency_hz * circuit_.rl[b / 3].l.one;
+    std::copy_n(state_.rl_v.begin() + static_cast<std::ptrdiff_t>(other), 3,
+                state_.rl_v.begin() + static_cast<std::ptrdiff_t>(b));
+    for (std::size_t k = 0; k < 3; ++k) {
+        // Of a positive sequence: a quarter of a period behind a phase is the difference of the two others.
+        double const behind_v = state_.rl_v[other + (k + 1) % 3] - state_.rl_v[other + (k + 2) % 3];
+        state_.rl_i[b + k] = behind_v / std::numbers::sqrt3 / x_ohm;
+    }
+}
+
+void Solver::start_capacitor(int branch, int beside) {
+    state_.capacitor_v.resize(3 * circuit_.capacitors.size(), 0.0);
+    state_.capacitor_i.resize(3 * circuit_.capacitors.size(), 0.0);
+    std::copy_n(state_.rl_v.begin() + 3 * static_cast<std::ptrdiff_t>(beside), 3,
+                state_.capacitor_v.begin() + 3 * static_cast<std::ptrdiff_t>(branch));
+}
+
 int Solver::split_rl(int branch, double share, std::string const& name) {
     auto const old = static_cast<std::size_t>(branch);
     int const middle = circuit_.add_triple(name);

@@ -4,8 +4,10 @@
 
 #include "sim/opendss/dss_numbers.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
-
+#include <optional>
 #include <utility>
 
 /// Regulators and controls of capacitors.
@@ -25,7 +27,7 @@ void read_phase(Value const& v, Watched& watched, int& phase) {
 }
 
 /// What a capacitor's control goes by: one word, of which the first letter counts.
-void read_kind(Value const& v, CapacitorControl::Kind& kind) {
+void read_kind(Value const& v, CapacitorControl& c) {
     using Kind = CapacitorControl::Kind;
     static constexpr std::pair<char, Kind> kKinds[] = {
         {'c', Kind::current}, {'v', Kind::voltage}, {'k', Kind::kvar}, {'p', Kind::power_factor}, {'t', Kind::time}};
@@ -36,7 +38,22 @@ void read_kind(Value const& v, CapacitorControl::Kind& kind) {
         v.wrong(fmt::format("is '{}'", v.text()), "expected current, voltage, kvar, pf or time");
         return;
     }
-    kind = known->second;
+    c.kind = known->second;
+    CapacitorControl const usual;
+    c.pf_on = usual.pf_on; // what was set before was no power factor
+    c.pf_off = usual.pf_off;
+}
+
+/// A setting; of a control by power factor -1 to 1, where leading ones are negative.
+void read_setting(Value const& v, CapacitorControl const& c, double& setting, double& pf) {
+    double const given = v.number();
+    if (c.kind != CapacitorControl::Kind::power_factor) {
+        setting = given;
+    } else if (std::abs(given) <= 1) {
+        pf = given < 0 ? 2 + given : given;
+    } else {
+        v.wrong(fmt::format("is {}", given), "expected a power factor from -1 to 1: leading ones are negative");
+    }
 }
 
 } // namespace
@@ -110,23 +127,27 @@ void Builder::capacitor_control(Object const& object) {
     c.name = fmt::format("capcontrol.{}", object.name);
     std::string capacitor, element;
     int terminal = 1;
+    double least_percent = 50;
+    std::optional<config::SourceMark> override_bus;
     auto const into = [](double& number) { return [&number](Value const& v) { number = v.number(); }; };
     replay(object,
            {{"element", [&](Value const& v) { element = lower(v.text()); }},
             {"capacitor", [&](Value const& v) { capacitor = lower(v.text()); }},
             {"terminal", [&](Value const& v) { terminal = v.integer(1, 20); }},
-            {"type", [&](Value const& v) { read_kind(v, c.kind); }},
+            {"type", [&](Value const& v) { read_kind(v, c); }},
             {"ptratio", [&](Value const& v) { c.pt_ratio = v.positive(); }},
             {"ctratio", [&](Value const& v) { c.ct_ratio = v.positive(); }},
-            {"onsetting", into(c.on)},
-            {"offsetting", into(c.off)},
+            {"onsetting", [&](Value const& v) { read_setting(v, c, c.on, c.pf_on); }},
+            {"offsetting", [&](Value const& v) { read_setting(v, c, c.off, c.pf_off); }},
+            {"pctminkvar", into(least_percent)},
+            {"vbus", [&](Value const& v) { override_bus = v.where(); }},
             {"voltoverride", [&](Value const& v) { c.voltage_overrides = v.yes(); }},
             {"vmax", into(c.most_v)},
             {"vmin", into(c.least_v)},
             {"delay", into(c.delay_s)},
             {"delayoff", into(c.delay_off_s)},
-            {"ctphase", [&](Value const& v) { read_phase(v, c.watched, c.phase); }},
-            {"ptphase", [&](Value const& v) { read_phase(v, c.watched, c.phase); }}},
+            {"ctphase", [&](Value const& v) { read_phase(v, c.of_currents, c.current_phase); }},
+            {"ptphase", [&](Value const& v) { read_phase(v, c.of_voltages, c.voltage_phase); }}},
            diagnostics_);
     auto const bank = circuit_.find_element("capacitor." + capacitor);
     auto const monitored = circuit_.find_element(element);
@@ -136,14 +157,22 @@ void Builder::capacitor_control(Object const& object) {
         return;
     }
     Element const& e = circuit_.elements[*monitored];
-    if (std::cmp_greater(std::int64_t{terminal} * e.conductors, e.nodes.size()) || c.phase >= e.conductors) {
-        error(object.where, fmt::format("{}: {} has no terminal {}, phase {}", c.name, element, terminal, c.phase + 1));
+    int const phase = std::max(c.voltage_phase, c.current_phase);
+    if (std::cmp_greater(std::int64_t{terminal} * e.conductors, e.nodes.size()) || phase >= e.conductors) {
+        error(object.where, fmt::format("{}: {} has no terminal {}, phase {}", c.name, element, terminal, phase + 1));
         return;
+    }
+    if (override_bus && c.voltage_overrides) {
+        circuit_.left_out.push_back(
+            {*override_bus, fmt::format("Vbus of {}: its own terminal overrides", c.name), true});
     }
     if (c.kind == CapacitorControl::Kind::time && !hour_) {
         circuit_.left_out.push_back({object.where, fmt::format("{} goes by the time of day", c.name), true});
         return;
     }
+    Element const& switched = circuit_.elements[*bank];
+    c.between_phases = std::cmp_equal(switched.nodes.size(), switched.conductors); // a star has an other end
+    c.least_kvar = least_percent / 100 * bank_kvar_[*bank];
     c.capacitor = *bank;
     c.monitored = *monitored;
     c.terminal = terminal - 1;

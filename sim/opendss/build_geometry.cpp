@@ -84,13 +84,26 @@ std::optional<Places> read_spacing(Script const& script, std::string const& name
 
 } // namespace
 
+/// It holds for the line, wherever in its command it is said.
+Earth Builder::earth_below(Object const& line) const {
+    Earth out;
+    auto const take_model = [&out](std::string const& word) {
+        out.model = lower(word).starts_with("c") ? EarthModel::carson : EarthModel::deri;
+    };
+    if (auto const model = script_.options.find("earthmodel"); model != script_.options.end()) {
+        take_model(model->second.value);
+    }
+    replay(line,
+           {{"rho", [&](Value const& v) { out.rho_ohm_m = v.positive(); }},
+            {"earthmodel", [&](Value const& v) { take_model(v.text()); }}},
+           diagnostics_);
+    return out;
+}
+
 std::optional<LineConstants> Builder::constants(std::vector<Conductor> const& conductors, int phases,
-                                                std::optional<double> rho, config::SourceMark const& where) {
-    auto const model = script_.options.find("earthmodel");
-    bool const carson = model != script_.options.end() && lower(model->second.value).starts_with("c");
-    LineConstants out =
-        line_constants(conductors, std::min(phases, static_cast<int>(conductors.size())), circuit_.frequency_hz,
-                       rho.value_or(100), carson ? EarthModel::carson : EarthModel::deri);
+                                                Earth const& earth, config::SourceMark const& where) {
+    LineConstants out = line_constants(conductors, std::min(phases, static_cast<int>(conductors.size())),
+                                       circuit_.frequency_hz, earth.rho_ohm_m, earth.model);
     if (!out.z_ohm_per_m.allFinite() || !out.c_f_per_m.allFinite()) {
         error(where, "these conductors lie in one place, or on the ground");
         return std::nullopt;
@@ -98,7 +111,7 @@ std::optional<LineConstants> Builder::constants(std::vector<Conductor> const& co
     return out;
 }
 
-std::optional<LineConstants> Builder::geometry(Value const& name, std::optional<double> rho) {
+std::optional<LineConstants> Builder::geometry(Value const& name, Earth const& earth) {
     Object const* object = script_.find("linegeometry", lower(name.text()));
     if (object == nullptr) {
         name.wrong(fmt::format("'{}' does not exist", name.text()), "expected the name of a linegeometry");
@@ -166,11 +179,10 @@ std::optional<LineConstants> Builder::geometry(Value const& name, std::optional<
         wire->height_m = p.height * unit;
         conductors.push_back(*wire);
     }
-    return constants(conductors, reduces ? phases : static_cast<int>(conductors.size()), rho, object->where);
+    return constants(conductors, reduces ? phases : static_cast<int>(conductors.size()), earth, object->where);
 }
 
-std::optional<LineConstants> Builder::spaced_wires(Value const& spacing, Value const& wires,
-                                                   std::optional<double> rho) {
+std::optional<LineConstants> Builder::spaced_wires(Value const& spacing, Value const& wires, Earth const& earth) {
     auto const places = read_spacing(script_, spacing.text(), spacing.where(), diagnostics_);
     std::vector<Word> const names = wires.words();
     if (!places) {
@@ -191,7 +203,7 @@ std::optional<LineConstants> Builder::spaced_wires(Value const& spacing, Value c
         wire->height_m = places->height[i];
         conductors.push_back(*wire);
     }
-    return constants(conductors, places->phases, rho, spacing.where());
+    return constants(conductors, places->phases, earth, spacing.where());
 }
 
 } // namespace gridspace::opendss

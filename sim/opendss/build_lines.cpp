@@ -204,17 +204,16 @@ void Builder::line(Object const& object) {
         }
         d.take_code(read_code(*code, circuit_.frequency_hz, diagnostics_));
     };
-    std::optional<double> rho;
+    Earth const earth = earth_below(object);
     std::optional<Word> spacing;
-    meaning["rho"] = [&](Value const& v) { rho = v.positive(); };
-    meaning["geometry"] = [&](Value const& v) { d.take(geometry(v, rho), circuit_.frequency_hz); };
+    meaning["geometry"] = [&](Value const& v) { d.take(geometry(v, earth), circuit_.frequency_hz); };
     meaning["spacing"] = [&](Value const& v) { spacing = v.word(); };
     meaning["wires"] = [&](Value const& v) {
         if (!spacing) {
             v.wrong("come before the spacing", "expected spacing=… wires=[…]");
             return;
         }
-        d.take(spaced_wires(Value{*spacing, object, "spacing", diagnostics_}, v, rho), circuit_.frequency_hz);
+        d.take(spaced_wires(Value{*spacing, object, "spacing", diagnostics_}, v, earth), circuit_.frequency_hz);
     };
     replay(object, meaning, diagnostics_);
     d.complete();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 
 /// Loads, generators and photovoltaic systems: what consumes or gives power by phase.
 namespace gridspace::opendss {
@@ -12,8 +13,10 @@ namespace {
 
 /// Two of kW, kvar, kVA and power factor, as OpenDSS keeps them: what was given last decides.
 struct RatedPower {
-    enum class Given { kw_pf, kw_kvar, kva_pf } given{Given::kw_pf};
+    enum class Given { kw_pf, kw_kvar, kva_pf, kwh_pf } given{Given::kw_pf};
     double kw{10}, kvar{0}, kva{0}, pf{0.88};
+    bool pf_given{false};
+    double kwh{0}, kwh_days{30}, kwh_factor{4}; ///< of a bill: the mean power, times a factor for the peak
 
     /// At the end of a command: the other quantities follow.
     void settle() {
@@ -22,17 +25,30 @@ struct RatedPower {
             pf = kva > 0 ? std::abs(kw) / kva * (kw * kvar < 0 ? -1 : 1) : pf;
             return;
         }
-        kw = given == Given::kva_pf ? kva * std::abs(pf) : kw;
-        double const tangent = pf == 0 ? 0 : std::sqrt(std::max(0.0, 1 / (pf * pf) - 1));
-        kvar = kw * std::copysign(tangent, pf);
+        kw = given == Given::kva_pf   ? kva * std::abs(pf)
+             : given == Given::kwh_pf ? kwh / (24 * kwh_days) * kwh_factor
+                                      : kw;
+        kvar = kw * tangent();
         kva = std::hypot(kw, kvar);
+    }
+    /// kvar by kW.
+    [[nodiscard]] double tangent() const {
+        return std::copysign(pf == 0 ? 0 : std::sqrt(std::max(0.0, 1 / (pf * pf) - 1)), pf);
+    }
+    /// At an hour, kW and kvar. Of a shape of kW without kvar these follow from a power factor, if that was given.
+    [[nodiscard]] Complex shaped(ShapeValue const& by) const {
+        if (!by.actual) {
+            return {kw * by.p, kvar * by.q};
+        }
+        return {by.p, by.q == 0 && pf_given ? by.p * tangent() : by.q};
     }
     Meaning meaning() {
         return {{"kw", [this](Value const& v) { kw = v.number(), given = Given::kw_pf; }},
-                {"kvar", [this](Value const& v) { kvar = v.number(), given = Given::kw_kvar; }},
+                {"kvar", [this](Value const& v) { kvar = v.number(), given = Given::kw_kvar, pf_given = false; }},
                 {"kva", [this](Value const& v) { kva = v.not_negative(), given = Given::kva_pf; }},
                 {"pf", [this](Value const& v) {
                      pf = v.number();
+                     pf_given = true;
                      if (!(std::abs(pf) <= 1) || pf == 0) {
                          v.wrong("is outside -1 to 1, or 0", "expected a power factor");
                          pf = 1;
@@ -41,6 +57,19 @@ struct RatedPower {
                  }}};
     }
 };
+
+/// The properties of a load's energy, of which each says that it counts.
+void energy_meaning(RatedPower& power, Meaning& meaning) {
+    auto const part = [&power](double RatedPower::* member) {
+        return [&power, member](Value const& v) {
+            power.*member = member == &RatedPower::kwh_days ? v.positive() : v.not_negative();
+            power.given = RatedPower::Given::kwh_pf;
+        };
+    };
+    meaning["kwh"] = part(&RatedPower::kwh);
+    meaning["kwhdays"] = part(&RatedPower::kwh_days);
+    meaning["cfactor"] = part(&RatedPower::kwh_factor);
+}
 
 /// Where a load lies, and its range of voltage.
 struct Place {
@@ -62,6 +91,44 @@ struct Place {
     }
     [[nodiscard]] double phase_v() const { return kv * 1e3 / (!delta && (phases == 2 || phases == 3) ? kSqrt3 : 1); }
     [[nodiscard]] int conductors() const { return delta && phases > 2 ? phases : phases + 1; }
+};
+
+/// What is wanted of a photovoltaic system's inverter, and its limits.
+struct Inverter {
+    double kva{500}, pf{1}, kvar{0};
+    bool by_kvar{false}, watts_first{false}, pf_first{false};
+    std::optional<double> most_kvar, most_absorbed_kvar; ///< without them its kVA
+
+    void add_to(Meaning& meaning) {
+        meaning["pf"] = [this](Value const& v) { pf = v.number(), by_kvar = false; };
+        meaning["kvar"] = [this](Value const& v) { kvar = v.number(), by_kvar = true; };
+        meaning["kva"] = [this](Value const& v) { kva = v.positive(); };
+        meaning["kvarmax"] = [this](Value const& v) { most_kvar = std::abs(v.number()); };
+        meaning["kvarmaxabs"] = [this](Value const& v) { most_absorbed_kvar = std::abs(v.number()); };
+        meaning["wattpriority"] = [this](Value const& v) { watts_first = v.yes(); };
+        meaning["pfpriority"] = [this](Value const& v) { pf_first = v.yes(); };
+    }
+    /// kW and kvar with so many kW of the panels. Above its rating it gives up watts, unless they or the power factor
+    /// come first.
+    [[nodiscard]] Complex output(double kw) const {
+        double const wanted = by_kvar   ? kvar
+                              : pf == 0 ? 0
+                                        : kw * std::copysign(std::sqrt(std::max(0.0, 1 / (pf * pf) - 1)), pf);
+        double const most = most_kvar.value_or(kva);
+        double const q = std::clamp(wanted, -most_absorbed_kvar.value_or(most), most);
+        double const p = pf_first && wanted != 0 ? kw * (q / wanted) : kw;
+        double const size = std::hypot(p, q);
+        if (size <= kva) {
+            return {p, q};
+        }
+        if (pf_first) {
+            return Complex{p, q} * (kva / size);
+        }
+        if (!watts_first) {
+            return {std::sqrt(std::max(0.0, kva * kva - q * q)), q};
+        }
+        return p > kva ? Complex{kva, 0} : Complex{p, std::copysign(std::sqrt(kva * kva - p * p), q)};
+    }
 };
 
 } // namespace
@@ -87,6 +154,7 @@ void Builder::load(Object const& object) {
     double transformer_kva = 0, allocation = 0.5;
     bool allocated = false;
     Meaning meaning = power.meaning();
+    energy_meaning(power, meaning);
     place.add_to(meaning, law);
     meaning["model"] = [&](Value const& v) { law.model = v.integer(1, 8); };
     meaning["vlowpu"] = [&](Value const& v) { law.low_pu = v.not_negative(); };
@@ -120,10 +188,10 @@ void Builder::load(Object const& object) {
         error(object.where, fmt::format("load.{} has no bus1", object.name));
         return;
     }
-    auto const [p, q] = shape(place.daily, place.daily_where);
-    double const times = (fixed || exempt ? 1 : load_multiplier_) * 1e3 / place.phases;
+    ShapeValue const at_hour = shape(place.daily, place.daily_where), by = fixed ? ShapeValue{} : at_hour;
+    double const times = (fixed || exempt || by.actual ? 1 : load_multiplier_) * 1e3 / place.phases;
     law.nominal_v = place.phase_v();
-    law.power_va = {power.kw * times * (fixed ? 1 : p), power.kvar * times * (fixed ? 1 : q)};
+    law.power_va = power.shaped(by) * times;
     law.fixed_var = power.kvar * 1e3 / place.phases;
     if (law.model == 8 && std::all_of(law.shares.begin(), law.shares.end(), [](double s) { return s == 0; })) {
         error(object.where, fmt::format("load.{} has model 8 and no ZIPV", object.name));
@@ -163,11 +231,10 @@ void Builder::generator(Object const& object) {
             {object.where, fmt::format("model {} of generator.{}: it gives its kW and kvar", model, object.name),
              model != 4});
     }
-    auto const [p, q] = shape(place.daily, place.daily_where);
-    double const times = 1e3 / place.phases;
+    ShapeValue const at_hour = shape(place.daily, place.daily_where), by = fixed ? ShapeValue{} : at_hour;
     law.model = model == 2 ? 2 : 1;
     law.nominal_v = place.phase_v();
-    law.power_va = {-power.kw * times * (fixed ? 1 : p), -power.kvar * times * (fixed ? 1 : q)};
+    law.power_va = (by.actual ? Complex{by.p, by.q} : power.shaped(by)) * (-1e3 / place.phases);
     std::vector<int> const nodes = connect(place.bus, place.where, place.phases, place.conductors());
     consume(object, nodes, place.phases, place.delta, law);
 }
@@ -179,16 +246,14 @@ void Builder::photovoltaic(Object const& object) {
     law.low_pu = 0;
     Place place;
     place.where = object.where;
-    double irradiance = 1, pmpp = 500, percent = 100, pf = 1, kvar = 0, kva = 500;
-    bool by_kvar = false;
+    double irradiance = 1, pmpp = 500, percent = 100;
+    Inverter inverter;
     Meaning meaning;
     place.add_to(meaning, law);
+    inverter.add_to(meaning);
     meaning["irradiance"] = [&](Value const& v) { irradiance = v.not_negative(); };
     meaning["pmpp"] = [&](Value const& v) { pmpp = v.not_negative(); };
     meaning["pctpmpp"] = [&](Value const& v) { percent = v.not_negative(); };
-    meaning["pf"] = [&](Value const& v) { pf = v.number(), by_kvar = false; };
-    meaning["kvar"] = [&](Value const& v) { kvar = v.number(), by_kvar = true; };
-    meaning["kva"] = [&](Value const& v) { kva = v.positive(); };
     for (char const* curve : {"effcurve", "p-tcurve"}) {
         meaning[curve] = [&, curve](Value const& v) {
             circuit_.left_out.push_back(
@@ -200,14 +265,10 @@ void Builder::photovoltaic(Object const& object) {
         error(object.where, fmt::format("pvsystem.{} has no bus1", object.name));
         return;
     }
-    double const shape_p = shape(place.daily, place.daily_where).first;
-    double const kw = std::min(pmpp * irradiance * shape_p * std::min(percent, 100.0) / 100, kva);
-    double const wanted = by_kvar   ? kvar
-                          : pf == 0 ? 0
-                                    : kw * std::copysign(std::sqrt(std::max(0.0, 1 / (pf * pf) - 1)), pf);
-    double const room = std::sqrt(std::max(0.0, kva * kva - kw * kw)); // watts come first
+    double const shape_p = shape(place.daily, place.daily_where).p;
+    double const kw = std::min(pmpp * irradiance * shape_p, pmpp * percent / 100);
     law.nominal_v = place.phase_v();
-    law.power_va = {-kw * 1e3 / place.phases, -std::clamp(wanted, -room, room) * 1e3 / place.phases};
+    law.power_va = -1e3 / place.phases * inverter.output(kw);
     std::vector<int> const nodes = connect(place.bus, place.where, place.phases, place.conductors());
     consume(object, nodes, place.phases, place.delta, law);
 }

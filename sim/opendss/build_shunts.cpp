@@ -3,8 +3,10 @@
 #include "sim/opendss/builder.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 
 /// Capacitors and reactors, between a bus and earth or between two buses.
 namespace gridspace::opendss {
@@ -14,7 +16,7 @@ namespace {
 struct ReactorData {
     enum class Given { power, impedance, matrices, sequences };
     int phases{3};
-    double kv{12.47}, kvar{1200}, r{0}, x{0}, rp{0};
+    double kv{12.47}, kvar{100}, r{0}, x{0}, rp{0};
     bool delta{false}, parallel{false}, z0_given{false};
     Given given{Given::power};
     Complex z1, z0, z2;
@@ -42,12 +44,6 @@ struct ReactorData {
 
 Meaning reactor_meaning(ReactorData& d, double omega) {
     using Given = ReactorData::Given;
-    auto const impedance = [&d](double ReactorData::* part) {
-        return [&d, part](Value const& v) {
-            d.*part = v.number();
-            d.given = Given::impedance;
-        };
-    };
     auto const matrix = [&d](Eigen::MatrixXd ReactorData::* part) {
         return [&d, part](Value const& v) { d.*part = v.matrix(d.phases), d.given = Given::matrices; };
     };
@@ -57,8 +53,8 @@ Meaning reactor_meaning(ReactorData& d, double omega) {
         {"kv", [&d](Value const& v) { d.kv = v.positive(); }},
         {"conn", [&d](Value const& v) { d.delta = v.delta(); }},
         {"parallel", [&d](Value const& v) { d.parallel = v.yes(); }},
-        {"r", impedance(&ReactorData::r)},
-        {"x", impedance(&ReactorData::x)},
+        {"r", [&d](Value const& v) { d.r = v.number(); }}, // beside a reactance of kvar, too
+        {"x", [&d](Value const& v) { d.x = v.number(), d.given = Given::impedance; }},
         {"lmh", [&d, omega](Value const& v) { d.x = omega * v.number() * 1e-3, d.given = Given::impedance; }},
         {"z", [&d](Value const& v) { d.r = v.complex().real(), d.x = v.complex().imag(), d.given = Given::impedance; }},
         {"rp", [&d](Value const& v) { d.rp = v.number(); }},
@@ -70,6 +66,13 @@ Meaning reactor_meaning(ReactorData& d, double omega) {
          }},
         {"z2", [&d](Value const& v) { d.z2 = v.complex(), d.given = Given::sequences; }},
         {"z0", [&d](Value const& v) { d.z0 = v.complex(), d.z0_given = true, d.given = Given::sequences; }}};
+}
+
+/// Whether a bank's states leave one of its steps closed.
+bool any_closed(std::size_t steps, std::vector<double> const& states) {
+    return states.size() < steps || std::any_of(
+                                        states.begin(), states.begin() + static_cast<std::ptrdiff_t>(steps),
+                                        [](double state) { return state != 0; });
 }
 
 } // namespace
@@ -106,8 +109,9 @@ void Builder::capacitor(Object const& object) {
     double const phase_kv = !delta && (phases == 2 || phases == 3) ? kv / kSqrt3 : kv;
     Complex y_phase{};
     std::vector<double> const& steps = by_farads ? micro : kvar;
+    bool const in_service = any_closed(steps.size(), states);
     for (std::size_t i = 0; i < steps.size(); ++i) {
-        if (i < states.size() && states[i] == 0) {
+        if (in_service ? i < states.size() && states[i] == 0 : i > 0) { // of none the first: a control closes it
             continue;
         }
         double const farads =
@@ -115,7 +119,6 @@ void Builder::capacitor(Object const& object) {
         Complex const y{0, omega_ * farads}, z{i < r.size() ? r[i] : 0, i < xl.size() ? xl[i] : 0};
         y_phase += z == Complex{} || y == Complex{} ? y : 1.0 / (1.0 / y + z);
     }
-    bool const in_service = states.empty() || y_phase != Complex{};
     if (!delta && matrix_uf.size() > 0) {
         add_between(object, at, matrix_uf.cast<Complex>() * Complex{0, omega_ * 1e-6},
                     Eigen::MatrixXcd::Zero(phases, phases));
@@ -124,6 +127,8 @@ void Builder::capacitor(Object const& object) {
     }
     if (!circuit_.elements.empty()) {
         circuit_.elements.back().in_service = in_service;
+        double const all = std::accumulate(steps.begin(), steps.end(), 0.0);
+        bank_kvar_[circuit_.elements.size() - 1] = by_farads ? all * 1e-3 * phases * omega_ * phase_kv * phase_kv : all;
     }
 }
 

@@ -37,7 +37,9 @@ struct SourceData {
     }
     /// Of the series branch.
     [[nodiscard]] Eigen::MatrixXcd impedance() const {
-        Complex const zero = phases == 1 ? z1 : z0, negative = z2_given && phases == 3 ? z2 : z1;
+        // One phase: of what is given in ohms Z1 alone counts.
+        Complex const zero = phases == 1 && given == Given::impedance ? z1 : z0;
+        Complex const negative = z2_given && phases == 3 ? z2 : z1;
         Eigen::MatrixXcd z = from_sequences(phases, z1, zero);
         if (negative == z1) {
             return z;

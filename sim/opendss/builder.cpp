@@ -262,51 +262,6 @@ void Builder::add(Object const& object, std::vector<int> nodes, int conductors, 
         {std::move(name), conductors, std::move(nodes), std::move(y), std::move(injected), true});
 }
 
-std::pair<double, double> Builder::shape(std::string const& name, config::SourceMark const& where) {
-    if (!hour_ || name.empty() || lower(name) == "none") {
-        return {1, 1};
-    }
-    Object const* object = script_.find("loadshape", lower(name));
-    if (object == nullptr) {
-        error(where, fmt::format("there is no loadshape '{}'", name));
-        return {1, 1};
-    }
-    double interval = 1;
-    std::vector<double> p, q, hours;
-    auto const take = [&](std::vector<double>& into) {
-        return [&into, this](Value const& v) {
-            if (lower(v.text()).find("file") != std::string::npos) {
-                circuit_.left_out.push_back({v.where(), "a loadshape from a file: taken as 1", true});
-                return;
-            }
-            into = v.list();
-        };
-    };
-    replay(*object,
-           {{"interval", [&](Value const& v) { interval = v.not_negative(); }},
-            {"minterval", [&](Value const& v) { interval = v.not_negative() / 60; }},
-            {"sinterval", [&](Value const& v) { interval = v.not_negative() / 3600; }},
-            {"mult", take(p)},
-            {"pmult", take(p)},
-            {"qmult", take(q)},
-            {"hour", take(hours)}},
-           diagnostics_);
-    if (p.empty()) {
-        return {1, 1};
-    }
-    std::size_t at = 0;
-    if (interval > 0) { // the first value is that of the first interval's end, and the shape repeats
-        auto const n = static_cast<double>(p.size());
-        double const index = std::fmod(std::round(*hour_ / interval), n);
-        at = index < 1 ? p.size() - 1 : static_cast<std::size_t>(index) - 1;
-    } else {
-        while (at + 1 < std::min(p.size(), hours.size()) && hours[at + 1] <= *hour_) {
-            ++at;
-        }
-    }
-    return {p[at], at < q.size() ? q[at] : p[at]};
-}
-
 void Builder::check_connected() {
     std::vector<int> leader(static_cast<std::size_t>(circuit_.nodes) + 1);
     for (std::size_t i = 0; i < leader.size(); ++i) {
@@ -323,7 +278,7 @@ void Builder::check_connected() {
     int const source = circuit_.nodes; // stands for all sources
     for (Element const& e : circuit_.elements) {
         int first = e.injected.size() > 0 ? source : -1;
-        for (std::size_t k = 0; k < e.nodes.size(); ++k) {
+        for (std::size_t k = 0; k < e.nodes.size() && e.in_service; ++k) {
             auto const row = static_cast<Eigen::Index>(k);
             if (e.nodes[k] >= 0 && e.y.row(row).cwiseAbs().maxCoeff() > 0) {
                 first = first < 0 ? e.nodes[k] : first;

@@ -6,6 +6,7 @@
 #include "sim/opendss/circuit.hpp"
 #include "sim/opendss/dss_value.hpp"
 
+#include <map>
 #include <string>
 
 namespace gridspace::opendss {
@@ -26,6 +27,18 @@ struct Terminals {
     void add_to(Meaning& meaning);
 };
 
+/// The earth below a line.
+struct Earth {
+    double rho_ohm_m{100};
+    EarthModel model{EarthModel::deri};
+};
+
+/// Of a load shape at an hour: multipliers, or, where it is `actual`, kW and kvar (0: it says nothing of them).
+struct ShapeValue {
+    double p{1}, q{1};
+    bool actual{false};
+};
+
 /// Builds a circuit of the objects of a script: one function for each class, each in a file of its own.
 class Builder {
   public:
@@ -36,10 +49,11 @@ class Builder {
     void options();
     void source(Object const& object);
     void line(Object const& object);
-    std::optional<LineConstants> geometry(Value const& name, std::optional<double> rho);
-    std::optional<LineConstants> spaced_wires(Value const& spacing, Value const& wires, std::optional<double> rho);
-    std::optional<LineConstants> constants(std::vector<Conductor> const& conductors, int phases,
-                                           std::optional<double> rho, config::SourceMark const& where);
+    [[nodiscard]] Earth earth_below(Object const& line) const;
+    std::optional<LineConstants> geometry(Value const& name, Earth const& earth);
+    std::optional<LineConstants> spaced_wires(Value const& spacing, Value const& wires, Earth const& earth);
+    std::optional<LineConstants> constants(std::vector<Conductor> const& conductors, int phases, Earth const& earth,
+                                           config::SourceMark const& where);
     void transformer(Object const& object);
     void capacitor(Object const& object);
     void reactor(Object const& object);
@@ -62,8 +76,10 @@ class Builder {
     /// The same branch between all phases, or from each to the second terminal (to earth without bus2).
     void add_branches(Object const& object, Terminals const& at, int phases, bool delta, Complex y);
     void consume(Object const& object, std::vector<int> const& nodes, int phases, bool delta, LoadLaw const& law);
-    /// Multiplier of active and reactive power at the hour, of a load shape.
-    std::pair<double, double> shape(std::string const& name, config::SourceMark const& where);
+    /// What a load shape says at the hour.
+    ShapeValue shape(std::string const& name, config::SourceMark const& where);
+    /// Lists what is not taken over and changes the result, for all that use it together.
+    void leave_out_once(config::SourceMark const& where, std::string what);
     void error(config::SourceMark const& where, std::string message, std::string hint = {});
 
     Script const& script_;
@@ -71,7 +87,8 @@ class Builder {
     std::optional<double> hour_;
     Circuit circuit_;
     double omega_{0}, load_multiplier_{1};
-    std::size_t admittances_{0}; ///< entries of all matrices
+    std::map<std::size_t, double> bank_kvar_; ///< of capacitors, all steps; by their place in the circuit's elements
+    std::size_t admittances_{0};              ///< entries of all matrices
 };
 
 /// Admittance of an earthed star or a ring of equal branches: phases x phases.

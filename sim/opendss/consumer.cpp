@@ -15,19 +15,27 @@ Complex LoadLaw::current(Complex v) const {
     if (model == 2 || !(pu > 0)) {
         return admittance() * v;
     }
-    Complex out;
-    if (pu <= least_pu) {
-        out = below(v, pu);
-    } else if (pu > most_pu) {
-        Complex const y = admittance() / (most_pu * most_pu);
-        out = (model == 6 || model == 7 ? Complex{y.real(), -fixed_var / (nominal_v * nominal_v)} : y) * v;
-    } else {
-        out = within(v, pu);
-    }
+    Complex out = pu <= least_pu ? below(v, pu) : pu > most_pu ? above(v) : within(v, pu);
     if (model == 8 && shares[6] > 0 && pu > low_pu) { // dropout
         out *= 0.5 * (1 + std::tanh(500 * (pu - shares[6])));
     }
     return out;
+}
+
+Complex LoadLaw::in_parts(double current, double power) const {
+    Complex const y = admittance();
+    if (model == 8) {
+        return {y.real() * (shares[0] + shares[1] * current + shares[2] * power),
+                y.imag() * (shares[3] + shares[4] * current + shares[5] * power)};
+    }
+    return y * (model == 5 ? current : power);
+}
+
+Complex LoadLaw::above(Complex v) const {
+    if (model == 6 || model == 7) {
+        return Complex{admittance().real() / (most_pu * most_pu), -fixed_var / (nominal_v * nominal_v)} * v;
+    }
+    return in_parts(1 / most_pu, 1 / (most_pu * most_pu)) * v;
 }
 
 Complex LoadLaw::below(Complex v, double pu) const {
@@ -37,12 +45,11 @@ Complex LoadLaw::below(Complex v, double pu) const {
     if (model == 6 || model == 7) {
         return Complex{admittance().real() / (least_pu * least_pu), -fixed_var / (nominal_v * nominal_v)} * v;
     }
-    if (low_pu <= 0) {
-        return admittance() / (least_pu * least_pu) * v;
-    }
-    // Of nominal current: low_pu at low_pu, 1 / least_pu at least_pu, and a straight line between.
-    double const share = low_pu + (1 / least_pu - low_pu) * (pu - low_pu) / (least_pu - low_pu);
-    return admittance() * (share / pu) * v;
+    // Of nominal current: low_pu at low_pu, and a straight line to that at least_pu.
+    auto const on_line = [&](double at_least_pu) {
+        return (low_pu + (at_least_pu - low_pu) * (pu - low_pu) / (least_pu - low_pu)) / pu;
+    };
+    return in_parts(on_line(1), on_line(1 / least_pu)) * v;
 }
 
 Complex LoadLaw::within(Complex v, double pu) const {

@@ -17,7 +17,7 @@ struct LoadLaw {
     int model{1};
     Complex power_va;      ///< of a phase, at nominal voltage
     double nominal_v{0};   ///< across the phase
-    double least_pu{0.95}; ///< below: an impedance that carries the power at `least_pu`, going over to
+    double least_pu{0.95}; ///< below: an impedance that carries what it draws at `least_pu`, going over to
     double most_pu{1.05};  ///< above: one that carries it at `most_pu`
     double low_pu{0.5};    ///< below: the impedance of the nominal power. 0: the former down to 0 V (generators)
     double exponent_p{1}, exponent_q{2}; ///< model 4
@@ -31,6 +31,10 @@ struct LoadLaw {
   private:
     [[nodiscard]] Complex within(Complex v, double pu) const;
     [[nodiscard]] Complex below(Complex v, double pu) const;
+    [[nodiscard]] Complex above(Complex v) const;
+    /// The admittance outside of the range, where that of a constant current is `current` and that of a constant power
+    /// `power` times the nominal one.
+    [[nodiscard]] Complex in_parts(double current, double power) const;
 };
 
 /// A load, or a generator (with negative power): phases that each follow the law between two nodes.

@@ -18,7 +18,7 @@ Complex at(Eigen::VectorXcd const& v, int node) {
 /// Current into a conductor of an element.
 Complex current_into(Element const& e, Eigen::VectorXcd const& v, int conductor) {
     Complex out{};
-    for (std::size_t k = 0; k < e.nodes.size(); ++k) {
+    for (std::size_t k = 0; k < e.nodes.size() && e.in_service; ++k) {
         out += e.y(conductor, static_cast<Eigen::Index>(k)) * at(v, e.nodes[k]);
     }
     return out;
@@ -46,6 +46,15 @@ double magnitude(Watched watched, int phase, std::vector<Complex> const& values)
         return sum / static_cast<double>(values.size());
     }
     return std::abs(values[static_cast<std::size_t>(pick(watched, phase, values))]);
+}
+
+/// What a capacitor's control measures of these voltages to earth.
+double measured_v(CapacitorControl const& c, std::vector<Complex> const& volts) {
+    if (c.of_voltages == Watched::one && c.between_phases) {
+        auto const phase = static_cast<std::size_t>(c.voltage_phase);
+        return std::abs(volts[phase] - volts[(phase + 1) % volts.size()]);
+    }
+    return magnitude(c.of_voltages, c.voltage_phase, volts);
 }
 
 } // namespace
@@ -122,7 +131,7 @@ std::optional<bool> wish_of(CapacitorControl const& c, Circuit const& circuit, E
         power += volts.back() * std::conj(amperes.back());
     }
     bool const closed = circuit.elements[c.capacitor].in_service;
-    double const seen_v = magnitude(c.watched, c.phase, volts) / c.pt_ratio;
+    double const seen_v = measured_v(c, volts) / c.pt_ratio;
     using Kind = CapacitorControl::Kind;
     if (c.voltage_overrides && c.kind != Kind::voltage) {
         if (!closed && seen_v < c.least_v) {
@@ -139,18 +148,17 @@ std::optional<bool> wish_of(CapacitorControl const& c, Circuit const& circuit, E
     };
     switch (c.kind) {
     case Kind::current: {
-        double const a = magnitude(c.watched, c.phase, amperes) / c.ct_ratio;
+        double const a = magnitude(c.of_currents, c.current_phase, amperes) / c.ct_ratio;
         return by(a > c.on, a < c.off);
     }
     case Kind::voltage:
         return by(seen_v<c.on, seen_v> c.off);
     case Kind::kvar:
         return by(power.imag() / 1e3 > c.on, power.imag() / 1e3 < c.off);
-    case Kind::power_factor: { // leading ones count from 1 to 2
+    case Kind::power_factor: {
         double const size = std::abs(power), pf = size > 0 ? std::abs(power.real()) / size : 1;
         double const scale = power.imag() < 0 ? 2 - pf : pf;
-        auto const turned = [](double setting) { return setting < 0 ? 2 + setting : setting; };
-        return by(scale<turned(c.on), scale> turned(c.off));
+        return by(scale < c.pf_on && power.imag() / 1e3 > c.least_kvar, scale > c.pf_off);
     }
     case Kind::time: {
         double const day = std::fmod(hour, 24);

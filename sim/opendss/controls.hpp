@@ -54,11 +54,14 @@ struct CapacitorControl {
     Kind kind{Kind::current};
     double pt_ratio{60}, ct_ratio{60};
     double on{300}, off{200};
+    double pf_on{0.95}, pf_off{1.05}; ///< leading ones count from 1 to 2
+    double least_kvar{0};             ///< by power factor: it closes where more flows
     bool voltage_overrides{false};
     double most_v{126}, least_v{115};
     double delay_s{15}, delay_off_s{15};
-    Watched watched{Watched::one};
-    int phase{0};
+    Watched of_voltages{Watched::one}, of_currents{Watched::one};
+    int voltage_phase{0}, current_phase{0};
+    bool between_phases{false}; ///< of one phase the voltage to the next: the bank is in delta
 };
 
 /// Whether a capacitor should be in service: nothing when it may stay as it is.

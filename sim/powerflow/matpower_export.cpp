@@ -144,9 +144,11 @@ class Writer {
                 continue;
             }
             Complex const gives = (rows_[i].into + rows_[i].load) * mva_;
+            // One generator for all that injects here: the limits hold for those that regulate.
+            double const most = node.q_max + node.q, least = node.q_min + node.q;
             out += fmt::format("\t{} {} {} {} {} {} {} 1 {} 0;\n", i + 1, shortest(gives.real()),
-                               shortest(gives.imag()), limit(node.q_max, mva_), limit(node.q_min, mva_),
-                               shortest(std::abs(v_[i])), shortest(mva_), shortest(std::max(gives.real(), 0.0)));
+                               shortest(gives.imag()), limit(most, mva_), limit(least, mva_), shortest(std::abs(v_[i])),
+                               shortest(mva_), shortest(std::max(gives.real(), 0.0)));
         }
         return out;
     }

@@ -226,11 +226,12 @@ class Solver {
             if (kind_[i] != NodeKind::pv) {
                 continue;
             }
-            double const generated = out_.injection[i].imag() - specified_[i].imag() + held_q_[i];
+            // The limits are those of the generators alone, not of what else injects at their bus.
+            double const generated = out_.injection[i].imag() - specified_[i].imag();
             double const limited = std::min(std::max(generated, problem_.nodes[i].q_min), problem_.nodes[i].q_max);
             if (limited != generated) {
                 kind_[i] = NodeKind::pq;
-                held_q_[i] = limited;
+                held_q_[i] = problem_.nodes[i].q + limited;
                 changed = true;
             }
         }

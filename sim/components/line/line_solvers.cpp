@@ -210,6 +210,10 @@ Result<void> Line::circuit(emt::Circuit& c, emt::TwoPortParts& parts, Surroundin
     if (LineType const* const own = type_by_frequency(*this, around)) {
         return frequency_dependent(c, parts, *this, *own, around.omega());
     }
+    if (t.c_f < 0 || t.c0_f < 0) { // a shunt reactor, said so in a MATPOWER case
+        return fail(ExitCode::usage, fmt::format("line '{}' has a negative capacitance", name.name),
+                    "simulate with phasors, or give it none and a shunt with negative q_kvar at its ends");
+    }
     series(c, parts, *this, t, by_phase, around.omega());
     if (t.c_f > 0 || t.c0_f > 0) {
         emt::PhaseMatrix const half = emt::PhaseMatrix::sequence(t.c_f / 2, t.c0_f / 2);

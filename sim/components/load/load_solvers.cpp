@@ -2,13 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/components/load/load.hpp"
 
+#include "sim/components/faces/converter.hpp"
+
+#include <algorithm>
 #include <cmath>
 
 /// A load in the phasor and in the waveform simulation.
 namespace gridspace::sim {
 namespace {
 
-/// States (with a lag): p, q.
+/// States (with a lag): p, q, as at voltages where the load follows its model. What a low voltage does to it needs no
+/// time.
 class LoadInjection final : public PowerInjection {
   public:
     LoadInjection(Load const& load, Surroundings const& around)
@@ -17,7 +21,7 @@ class LoadInjection final : public PowerInjection {
     [[nodiscard]] std::size_t states() const override { return load_.lag_s > 0 ? 2 : 0; }
     void start(double t, Complex v, Complex, std::span<double> x) override {
         if (!x.empty()) {
-            Complex const s = demand(t, std::abs(v));
+            Complex const s = demand(t, std::max(std::abs(v), model_holds_from()));
             x[0] = s.real();
             x[1] = s.imag();
         }
@@ -31,12 +35,21 @@ class LoadInjection final : public PowerInjection {
         Complex const nominal = load_.nominal_kva();
         return {nominal.real() * k * f.p, nominal.imag() * k * f.q};
     }
+    /// Below, a load is an impedance, and a converter has its most current, p.u.
+    [[nodiscard]] double model_holds_from() const {
+        return load_.model == LoadModel::dc_constant_power ? 1 / kConverterOverload : kFloorPu;
+    }
+    /// What is drawn at this voltage of the power of the states.
+    [[nodiscard]] double share(double v) const {
+        double const of_floor = std::min(v / model_holds_from(), 1.0);
+        return load_.model == LoadModel::dc_constant_power ? of_floor : of_floor * of_floor;
+    }
     [[nodiscard]] Complex power(double t, std::span<double const> x, double v) const override {
-        return x.empty() ? demand(t, v) : Complex{x[0], x[1]};
+        return x.empty() ? demand(t, v) : Complex{x[0], x[1]} * share(v);
     }
     void slopes(double t, std::span<double const> x, Complex v, std::span<double> dx) const override {
         if (!x.empty()) {
-            Complex const s = demand(t, std::abs(v));
+            Complex const s = demand(t, std::max(std::abs(v), model_holds_from()));
             dx[0] = (s.real() - x[0]) / load_.lag_s;
             dx[1] = (s.imag() - x[1]) / load_.lag_s;
         }

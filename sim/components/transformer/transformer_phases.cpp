@@ -110,6 +110,10 @@ Result<void> Transformer::circuit(emt::Circuit& c, emt::TwoPortParts& parts, Sur
                     fmt::format("transformer '{}' saturates but has no magnetising current", name.name),
                     "give magnetising_percent");
     }
+    if (charging_percent < 0) { // a shunt reactor, said so in a MATPOWER case
+        return fail(ExitCode::usage, fmt::format("transformer '{}' has a negative charging_percent", name.name),
+                    "simulate with phasors, or give it none and shunts with negative q_kvar at its buses");
+    }
     if (auto ok = check_windings(); !ok) {
         return ok;
     }

@@ -154,6 +154,21 @@ TEST(EmtNetworks, NothingConnectedToEarthIsAnError) {
     EXPECT_THAT(ok.error().message, HasSubstr("to earth"));
 }
 
+TEST(EmtNetworks, ANegativeChargingIsAnErrorAndNotLeftOut) {
+    Network line = network_of("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\nsources: {S: {bus: A}}\n"
+                              "lines: {L: {from: A, to: B, r_ohm: 0.1, x_ohm: 0.2}}\nloads: {D: {bus: B, p_kw: 1}}\n");
+    line.lines.front().c_nf = -1000; // as a MATPOWER case may have it
+    auto const of_line = make_emt_engine(line, {kBase, SimSpan{1}, 0});
+    ASSERT_FALSE(of_line.has_value());
+    EXPECT_THAT(of_line.error().message, HasSubstr("line 'L' has a negative capacitance"));
+    auto const of_transformer = make_emt_engine(
+        network_of("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\nsources: {S: {bus: A}}\n"
+                   "transformers: {T: {from: A, to: B, rating_kva: 100, x_percent: 4, charging_percent: -5}}\n"),
+        {kBase, SimSpan{1}, 0});
+    ASSERT_FALSE(of_transformer.has_value());
+    EXPECT_THAT(of_transformer.error().message, HasSubstr("transformer 'T' has a negative charging_percent"));
+}
+
 TEST(EmtNetworks, TheSteadyStateIsThatOfThePowerFlow) {
     for (char const* file : {"adn_set_a.yaml", "wscc9.yaml", "kundur_two_area.yaml"}) {
         Network const network = shipped_network(file);

@@ -49,6 +49,30 @@ TEST(LoadLaw, IsAnImpedanceAboveItsRange) {
     EXPECT_NEAR(power(law_of(1), 1.0500001).real(), 1000, 1e-3); // without a step
 }
 
+TEST(LoadLaw, OfAConstantCurrentGoesOverWithoutAStepWhereItsRangeEnds) {
+    LoadLaw const sut = law_of(5);
+    for (double const edge : {0.5, 0.95, 1.05}) {
+        EXPECT_NEAR(std::abs(power(sut, edge + 1e-9) - power(sut, edge - 1e-9)), 0, 1e-3) << edge;
+    }
+    // Nominal current at the upper limit, and from there an impedance; a line to nominal current at the lower.
+    double const nominal_a = std::abs(sut.power_va) / sut.nominal_v;
+    EXPECT_NEAR(std::abs(sut.current(1.26 * 240)), 1.2 * nominal_a, 1e-9);
+    EXPECT_NEAR(std::abs(sut.current((0.5 + 0.95) / 2 * 240)), 0.75 * nominal_a, 1e-9);
+}
+
+TEST(LoadLaw, OfZipvTakesItsThreePartsOverByThemselves) {
+    LoadLaw const sut = law_of(8);
+    for (double const edge : {0.95, 1.05}) { // at Vlowpu all of it becomes an impedance, as in OpenDSS
+        EXPECT_NEAR(std::abs(power(sut, edge + 1e-9) - power(sut, edge - 1e-9)), 0, 1e-3) << edge;
+    }
+    double const high = 1.2 * 1.2, z = high, i = high / 1.05, p = high / 1.05 / 1.05;
+    EXPECT_NEAR(power(sut, 1.2).real(), 1000 * (0.2 * z + 0.3 * i + 0.5 * p), 1e-9);
+    EXPECT_NEAR(power(sut, 1.2).imag(), 500 * (0.6 * z + 0.3 * i + 0.1 * p), 1e-9);
+    double const u = (0.5 + 0.95) / 2, current_i = 0.75, current_p = (0.5 + 1 / 0.95) / 2;
+    EXPECT_NEAR(power(sut, u).real(), 1000 * (0.2 * u * u + 0.3 * u * current_i + 0.5 * u * current_p), 1e-9);
+    EXPECT_NEAR(power(sut, 0.4).real(), 1000 * 0.4 * 0.4, 1e-9);
+}
+
 TEST(LoadLaw, GoesOverToItsNominalImpedanceBelowItsRangeWithoutAStep) {
     LoadLaw const sut = law_of(1);
     EXPECT_NEAR(power(sut, 0.95 + 1e-9).real(), power(sut, 0.95 - 1e-9).real(), 1e-3);

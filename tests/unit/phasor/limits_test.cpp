@@ -96,6 +96,28 @@ TEST(PhasorGenerator, GivesUpItsVoltageAtItsReactiveLimitAndTakesItUpAgain) {
     }
 }
 
+TEST(PhasorLoad, WithALagIsAnImpedanceInAFaultAndItsDemandStays) {
+    for (double const fault_ohm : {0.02, 1e-6}) {
+        auto const sut = started(
+            "buses: {A: {voltage_v: 400}, B: {voltage_v: 400}}\nsources: {S: {bus: A, r_ohm: 0.01, l_mh: 0.05}}\n"
+            "lines: {L: {from: A, to: B, r_ohm: 0.05, x_ohm: 0.1}}\n"
+            "loads: {D: {bus: B, p_kw: 30, q_kvar: 10, lag_s: 5}, "
+            "R: {bus: B, p_kw: 10, lag_s: 5, model: dc_constant_power}}\n");
+        EXPECT_TRUE(sut->apply(ApplyFault{"", "B", 0, FaultType::three_phase_ground, fault_ohm, "f"}).has_value());
+        run(*sut, 0, 100);
+        double const v = read(*sut, "bus.B.v_pu");
+        EXPECT_LT(v, 0.4);
+        // For 1 s of its lag of 5 s the demand of the one goes to what it is at 0.7 p.u.: the same.
+        EXPECT_NEAR(read(*sut, "load.D.p_kw"), 30 * v * v / 0.49, 1e-6);
+        EXPECT_NEAR(read(*sut, "load.D.q_kvar"), 10 * v * v / 0.49, 1e-6);
+        EXPECT_NEAR(read(*sut, "load.R.p_kw"), 1.2 * 10 * v, 1e-6); // its current is at its limit
+        EXPECT_TRUE(sut->apply(ClearFault{"f"}).has_value());
+        run(*sut, 100, 110);
+        EXPECT_NEAR(read(*sut, "load.D.p_kw"), 30, 1e-6);
+        EXPECT_NEAR(read(*sut, "load.R.p_kw"), 10, 1e-6);
+    }
+}
+
 TEST(PhasorConverters, KeepTheirCurrentWithinTheirLimitInAFault) {
     auto const sut =
         started("buses: {A: {voltage_v: 400}, B: {voltage_v: 400}}\nsources: {S: {bus: A, r_ohm: 0.01, l_mh: 0.05}}\n"

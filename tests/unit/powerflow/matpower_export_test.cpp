@@ -73,5 +73,22 @@ TEST_F(MatpowerExport, AGeneratorThatGaveUpItsVoltageIsAGivenPower) {
     expect_same(flow, solve(exported(network, flow, options)), 1e-8);
 }
 
+TEST_F(MatpowerExport, WhatElseInjectsAtABusIsWithinTheLimitsOfItsGenerator) {
+    PowerFlowOptions options;
+    options.enforce_q_limits = true;
+    Network network = load(source_tree("tests/golden/powerflow/case14.m"));
+    Generator& given = network.generators.back();
+    Generator extra = given;
+    extra.name.name = "extra";
+    extra.role = GeneratorRole::pq;
+    extra.p_kw = 0;
+    extra.q_kvar = 1e4;
+    extra.q_min_kvar = extra.q_max_kvar = std::nullopt;
+    given.q_max_kvar = 9e3; // it gives 7.6 Mvar beside them, and with them more than 9
+    network.generators.push_back(extra);
+    PowerFlow const flow = solve(network, options);
+    expect_same(flow, solve(exported(network, flow, options), options), 1e-8);
+}
+
 } // namespace
 } // namespace gridspace::sim

@@ -165,6 +165,27 @@ TEST(PowerFlow, ReactiveLimitsReleaseTheVoltage) {
     EXPECT_NEAR(sut.buses[1].q_kvar, 5 - 30, 1e-6);
 }
 
+TEST(PowerFlow, AReactiveLimitIsThatOfTheGeneratorAndNotOfWhatElseInjectsAtItsBus) {
+    Network const n = network_of("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
+                                 "lines: {L: {from: A, to: B, r_ohm: 0.02, x_ohm: 0.4608}}\n"
+                                 "generators:\n  G: {bus: A, role: slack}\n"
+                                 "  V: {bus: B, role: pv, p_kw: 10, voltage_setpoint_pu: 1, q_max_kvar: 20}\n"
+                                 "  P: {bus: B, role: pq, p_kw: 0, q_kvar: 10}\n"
+                                 "loads: {D: {bus: B, p_kw: 10, q_kvar: 25}, E: {bus: B, p_kw: 0, q_kvar: 25}}\n");
+    PowerFlowOptions limited;
+    limited.enforce_q_limits = true;
+    PowerFlow const beyond = solved(n, limited);
+    EXPECT_LT(std::abs(beyond.buses[1].v), 1.0);
+    EXPECT_NEAR(beyond.buses[1].q_kvar, 20 + 10 - 50, 1e-6);
+    EXPECT_NEAR(unit(n, beyond, "V").q_kvar, 20, 1e-6);
+    // Without one load it gives 15 kvar: within its limit, although both together give more than that.
+    Network less = n;
+    less.loads.pop_back();
+    PowerFlow const within = solved(less, limited);
+    EXPECT_NEAR(std::abs(within.buses[1].v), 1, 1e-12);
+    EXPECT_NEAR(unit(less, within, "V").q_kvar, 15, 1e-6);
+}
+
 TEST(PowerFlow, ALineOpenAtOneEndOnlyDrawsItsChargingCurrent) {
     Network const n = network_of("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
                                  "lines:\n  L1: {from: A, to: B, r_ohm: 0.1, x_ohm: 0.2}\n"
