@@ -144,8 +144,18 @@ Result<void> ClockServer::State::send(SimTime time, std::uint64_t number, bool f
     return accepted ? Result<void>{} : fail(ExitCode::stall, fmt::format("DDS refused clock sample {}", number));
 }
 
-/// Nobody waits in real time, but the end is for all: who has not heard it takes us for dead.
+/// Nobody waits in real time, but the end is for all: who has not heard it takes us for dead. A process of the run that
+/// is behind catches up; who only listens may be stopped, or gone without a word.
 void ClockServer::State::end_in_real_time() {
+    constexpr std::chrono::milliseconds kLook{20};
+    Deadline const for_the_run{core.config.clock.member_timeout_s};
+    while (!for_the_run.passed() && anybody_has_to_hear_the_end()) {
+        std::unique_lock lock{core.mutex};
+        if (core.error || core.stop_requested) {
+            return;
+        }
+        (void)core.changed.wait_for(lock, kLook);
+    }
     Deadline const patience{2};
     (void)clock_writer->wait_acknowledged(patience.left());
     for (Node::Core::WriterSlot const& writer : core.writers) { // what was said last goes with its writer
@@ -153,6 +163,16 @@ void ClockServer::State::end_in_real_time() {
             (void)writer.raw->wait_acknowledged(patience.left());
         }
     }
+}
+
+bool ClockServer::State::anybody_has_to_hear_the_end() {
+    std::vector<Peer> const here = clock_writer->matched();
+    std::lock_guard const lock{core.mutex};
+    return std::ranges::any_of(here, [&](Peer const& peer) {
+        auto const known = statuses.find(peer.process);
+        return known != statuses.end() && !dropped.contains(peer.process) &&
+               known->second.incarnation == peer.incarnation && known->second.state == MEMBER_READY;
+    });
 }
 
 Result<void> ClockServer::State::await_members(SimTime time, std::uint64_t number) {

@@ -75,6 +75,8 @@ struct ClockServer::State {
     [[nodiscard]] bool has_listeners(std::uint64_t number, bool final);
     [[nodiscard]] Result<void> send(SimTime time, std::uint64_t number, bool final);
     void end_in_real_time();
+    /// Real time: processes of the run that are here and have not said that they know of the end. Without the mutex.
+    [[nodiscard]] bool anybody_has_to_hear_the_end();
     /// Until everybody whom the tick needs has acknowledged it, and what feeds the simulator is complete.
     [[nodiscard]] Result<void> await_members(SimTime time, std::uint64_t number);
     /// False when they do not come within the patience for a member.

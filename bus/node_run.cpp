@@ -161,6 +161,11 @@ Node::Core::next_in_real_time(std::unique_lock<std::mutex>& lock,
     input_taken = input_generation;
     Tick const tick{clock.tick(), time_now(), clock_seen && clock.state() == CLOCK_FINAL};
     log::set_time(base.seconds(tick.time));
+    if (tick.final) {
+        lock.unlock();
+        publish_status(MEMBER_STOPPING, ""); // the simulator stays until everybody has heard the end
+        lock.lock();
+    }
     return tick;
 }
 

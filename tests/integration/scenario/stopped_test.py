@@ -3,6 +3,7 @@
 """A process that is stopped (SIGSTOP) is named itself, whoever notices first; one that ends as it should is not called killed."""
 import json
 import os
+import pathlib
 import shutil
 import signal
 import time
@@ -56,6 +57,27 @@ class Stopped(ScenarioTest):
         os.kill(simulator, signal.SIGCONT)
         (self.folder / "go").touch()
         self.assertEqual(run.finish(), OK, run.stderr())
+
+    def stop_the_recorder_before_the_end(self, name, timeout_s):
+        run = self.start(name, ["--set", f"clock={{mode: realtime, speed: 600, member_timeout_s: {timeout_s}}}", "--set", "expect=~", "--until", "40min"])
+        run.wait_for_time(1800)
+        recorder, simulator = run.pid_of("recorder"), run.pid_of("sim")
+        os.kill(recorder, signal.SIGSTOP)
+        return run, recorder, pathlib.Path(f"/proc/{simulator}")
+
+    def test_in_real_time_the_simulator_stays_until_a_recorder_that_is_behind_has_heard_the_end(self):
+        run, recorder, simulator = self.stop_the_recorder_before_the_end("run", 60)
+        time.sleep(5)  # the end is after one, and those who only listen are waited for two
+        self.assertTrue(simulator.exists())
+        os.kill(recorder, signal.SIGCONT)
+        self.assertEqual(run.finish(), OK, run.stderr())
+        run, recorder, simulator = self.stop_the_recorder_before_the_end("impatient", 1)
+        deadline = time.monotonic() + 60
+        while simulator.exists():
+            self.assertLess(time.monotonic(), deadline, "a control: it leaves without the recorder")
+            time.sleep(0.1)
+        os.kill(recorder, signal.SIGCONT)
+        run.finish()
 
     def test_a_program_that_is_told_to_end_and_does_is_not_called_killed(self):
         run = self.run_to_end("run", ["--set", "processes.own={program: exec, host: h0, command: [sleep, '1000']}"],
