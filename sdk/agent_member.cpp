@@ -216,6 +216,26 @@ std::optional<int> AgentMember::signal_number(std::string_view name) const {
     return found == columns_.end() ? std::nullopt : std::optional{static_cast<int>(found - columns_.begin())};
 }
 
+Result<int> AgentMember::declared_signal(std::string_view declared, std::optional<std::string_view> value) const {
+    std::optional<std::size_t> found;
+    for (std::size_t i = 0; i < origins_.size(); ++i) {
+        if (origins_[i].declared != declared || (value && origins_[i].value != *value)) {
+            continue;
+        }
+        if (found) {
+            return fail(ExitCode::usage,
+                        fmt::format("'{}' is several signals, '{}' and '{}' among them", declared,
+                                    columns_[*found].name, columns_[i].name),
+                        fmt::format("say which: of '{}', or of '{}'", origins_[*found].value, origins_[i].value));
+        }
+        found = i;
+    }
+    return found ? Result<int>{static_cast<int>(*found)}
+                 : fail(ExitCode::usage,
+                        value ? fmt::format("'{}' is no signal for '{}'", declared, *value)
+                              : fmt::format("'{}' is no signal here: what it is named after is not given", declared));
+}
+
 Result<void> AgentMember::write(int number, void const* sample, std::size_t size) {
     if (number < 0 || static_cast<std::size_t>(number) >= writers_.size()) {
         return fail(ExitCode::usage,

@@ -58,6 +58,8 @@ class AgentMember : public bus::Member {
     [[nodiscard]] std::optional<int> reader(std::string_view topic) const;
     [[nodiscard]] std::optional<int> writer(std::string_view topic) const;
     [[nodiscard]] std::optional<int> signal_number(std::string_view name) const;
+    /// What a name of the description became for a value of its placeholder; without one: the only one.
+    [[nodiscard]] Result<int> declared_signal(std::string_view declared, std::optional<std::string_view> value) const;
     [[nodiscard]] Result<void> write(int writer, void const* sample, std::size_t size);
     [[nodiscard]] Result<void> signal(int number, double value);
     void fail_with(Error error); ///< what run_member returns when the callback has
@@ -100,6 +102,10 @@ class AgentMember : public bus::Member {
     std::vector<Writer> writers_;
     std::unique_ptr<StreamEnds> streams_; ///< may be null
     std::vector<bus::SignalColumn> columns_;
+    struct Origin {
+        std::string declared, value; ///< the name in the description; of its placeholder
+    };
+    std::vector<Origin> origins_; ///< of the columns
     std::unique_ptr<bus::SignalPublisher> signals_;
     std::vector<double> row_;
     bool row_is_new_{false}, begins_{false};

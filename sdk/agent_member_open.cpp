@@ -37,8 +37,8 @@ template <class Ends>
 std::string topics_of(Ends const& ends) {
     std::string out;
     for (auto const& end : ends) {
-        out += fmt::format(R"({}{{"topic":"{}","type":"{}","layout":{}}})", out.empty() ? "" : ",", end.topic,
-                           end.type->name(), end.type->layout_json());
+        out += fmt::format(R"({}{{"topic":"{}","declared":"{}","type":"{}","layout":{}}})", out.empty() ? "" : ",",
+                           end.topic, end.declared, end.type->name(), end.type->layout_json());
     }
     return out;
 }
@@ -122,7 +122,16 @@ Result<void> AgentMember::open_streams(program::Values const& values) {
 
 Result<void> AgentMember::open_signals(program::Values const& values) {
     std::vector<program::Signal> const& declared = program_.declaration.signals;
+    std::map<std::string, Origin> origins;
+    for (program::Signal const& signal : declared) {
+        std::vector<std::string> const names = program::expand(signal.name, values),
+                                       of = program::placeholder_values(signal.name, values);
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            origins[names[i]] = {signal.name, of[i]};
+        }
+    }
     for (program::Signal& signal : program::expand(declared, values)) {
+        origins_.push_back(origins.at(signal.name));
         columns_.push_back({std::move(signal.name), std::move(signal.unit)});
     }
     if (columns_.empty()) {
@@ -139,9 +148,9 @@ Result<void> AgentMember::open_signals(program::Values const& values) {
 
 void AgentMember::describe_topics() {
     std::string signals;
-    for (bus::SignalColumn const& column : columns_) {
-        signals +=
-            fmt::format(R"({}{{"name":"{}","unit":"{}"}})", signals.empty() ? "" : ",", column.name, column.unit);
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+        signals += fmt::format(R"({}{{"name":"{}","unit":"{}","declared":"{}","value":"{}"}})", i == 0 ? "" : ",",
+                               columns_[i].name, columns_[i].unit, origins_[i].declared, origins_[i].value);
     }
     topics_json_ = fmt::format(R"({{"reads":[{}],"writes":[{}],"signals":[{}]}})", topics_of(readers_),
                                topics_of(writers_), signals);

@@ -284,6 +284,17 @@ int gridspace_signal_number(gridspace_agent const* agent, char const* name) {
     return guarded(-1, [&] { return number_or_note(agent->signal_number(name), "signal", name); });
 }
 
+int gridspace_declared_signal(gridspace_agent const* agent, char const* declared, char const* value) {
+    return guarded(-1, [&] {
+        auto const found =
+            agent->declared_signal(declared, value == nullptr ? std::nullopt : std::optional<std::string_view>{value});
+        if (!found) {
+            note(describe(found.error()));
+        }
+        return found.value_or(-1);
+    });
+}
+
 void gridspace_log(int level, char const* text) {
     constexpr std::array kLevels{log::Level::debug, log::Level::info, log::Level::warning, log::Level::error};
     (void)guarded(0, [&] {

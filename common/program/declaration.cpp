@@ -70,6 +70,11 @@ std::vector<std::string> expand(std::string_view pattern, Values const& values) 
     return out;
 }
 
+std::vector<std::string> placeholder_values(std::string_view pattern, Values const& values) {
+    std::string_view const key = placeholder(pattern);
+    return key.empty() ? std::vector<std::string>{""} : values_of(key, values);
+}
+
 std::vector<Signal> expand(std::vector<Signal> const& signals, Values const& values) {
     std::vector<Signal> out;
     for (std::size_t first = 0, end = 0; first < signals.size(); first = end) {

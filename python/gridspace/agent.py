@@ -66,7 +66,8 @@ class Agent:
         by_name = {s.name: s for s in _declared(type(self), Setting)}
         self.settings = {name: by_name[name].value(value) if name in by_name else value for name, value in settings.items()}
         vars(self).update((name, value) for name, value in self.settings.items() if name in by_name)  # read without a call, in each tick
-        self._signals: dict[str, float] = {}
+        self._signals: dict[str, float | SignalValues] = {}
+        self._columns: dict[str, dict[str, int]] = {}  # by attribute and value of the placeholder: the signal's number
         self._timers: dict[int, tuple[Callable[[], None], bool]] = {}
 
     # ---- what a subclass says
@@ -222,13 +223,14 @@ class _Life:
         agent._prepare(handle, json.loads(self._library.gridspace_settings(handle)))
         topics = json.loads(self._library.gridspace_topics(handle))
         for end in topics["reads"]:
-            reads = next(r for r in _declared(cls, Reads) if r.fits(end["topic"], agent.settings))
+            reads = next(r for r in _declared(cls, Reads) if r.topic == end["declared"])
             self._handlers.append((sample_class(end["layout"]).from_address, getattr(agent, f"on_{reads.name}", None)))
         agent._writers = {}
         for number, end in enumerate(topics["writes"]):
-            writes = next(w for w in _declared(cls, Writes) if w.fits(end["topic"], agent.settings))
+            writes = next(w for w in _declared(cls, Writes) if w.topic == end["declared"])
             agent._writers[writes.name] = Writer(functools.partial(self._write, handle, number), sample_class(end["layout"]))
-        agent._columns = {signal.name: number for number, signal in enumerate(_declared(cls, Signal))}
+        for signal in _declared(cls, Signal):
+            agent._columns[signal.name] = {s["value"]: number for number, s in enumerate(topics["signals"]) if s["declared"] == signal.signal}
 
     def _write(self, handle: int, number: int, _writer: Writer, sample: Sample) -> None:
         if self._library.gridspace_write(handle, number, ctypes.addressof(sample), ctypes.sizeof(sample)) != 0:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -72,14 +71,6 @@ class Topic(Declared):
     def described(self) -> dict[str, Any]:
         return {"topic": self.topic, "type": self.type, **({"optional": True} if self.optional else {}), **({"idl": self.idl} if self.idl else {})}
 
-    def fits(self, topic: str, settings: dict[str, Any]) -> bool:
-        """Whether the pattern has become this name, with these settings."""
-        def expression(part: str) -> str:
-            given = settings.get(part[1:-1]) if part.startswith("{") else part
-            return re.escape(given) if isinstance(given, str) else ".*"
-        parts = [expression(p) for p in re.split(r"(\{[^}]*\})", self.topic.replace("[", "").replace("]", ""))]
-        return re.fullmatch("".join(parts), topic) is not None
-
 
 class Reads(Topic):
     """A topic that the agent reads: a sample is given to its method on_ATTRIBUTE. triggers: in the same tick as it was written. only: the
@@ -133,15 +124,47 @@ class Signal(Declared):
         return {"name": self.signal, "unit": self.unit, "rate_hz": self.rate_hz}
 
     def __get__(self, agent: Agent | None, owner: type | None = None) -> Any:
-        return self if agent is None else agent._signals.get(self.name)
+        if agent is None:
+            return self
+        if self.several:
+            return agent._signals.setdefault(self.name, SignalValues(self, agent))
+        return agent._signals.get(self.name)
 
     def __set__(self, agent: Agent, value: float) -> None:
+        columns = agent._columns.get(self.name, {})
+        if agent._handle and len(columns) != 1:
+            names = ", ".join(f"self.{self.name}[{v!r}]" for v in columns)
+            raise ValueError(f"'{self.signal}' is no signal here: what it is named after is not given" if not columns
+                             else f"'{self.signal}' is several signals, set one of them: {names}")
+        self.publish(agent, next(iter(columns), ""), value)
+        agent._signals[self.name] = float(value)
+
+    def publish(self, agent: Agent, which: str, value: float) -> None:
         number = float(value)
         if not math.isfinite(number):
             raise ValueError(f"the signal '{self.signal}' is {number}, which is not finite")
-        agent._signals[self.name] = number
-        if agent._handle and agent._library.gridspace_signal(agent._handle, agent._columns[self.name], number) != 0:
+        if agent._handle and agent._library.gridspace_signal(agent._handle, agent._columns[self.name][which], number) != 0:
             raise ValueError(library.last_error())
+
+    @property
+    def several(self) -> bool:
+        """Whether the pattern may name several: it has a placeholder beside the process."""
+        return "{" in self.signal.replace("{process}", "")
+
+
+class SignalValues(dict):
+    """The newest values of the signals that one pattern names, by what is filled in: self.ATTRIBUTE["EV1"] = value."""
+
+    def __init__(self, signal: Signal, agent: Agent):
+        super().__init__()
+        self._signal, self._agent = signal, agent
+
+    def __setitem__(self, which: str, value: float) -> None:
+        columns = self._agent._columns.get(self._signal.name, {})
+        if self._agent._handle and which not in columns:
+            raise KeyError(f"'{self._signal.signal}' is no signal for '{which}', but for: {', '.join(columns) or 'nothing, its setting is not given'}")
+        self._signal.publish(self._agent, which, value)
+        super().__setitem__(which, float(value))
 
 
 class Writer:

@@ -3,6 +3,7 @@
 """What a finished run has recorded: signals, events, expectations."""
 from __future__ import annotations
 
+import contextlib
 import csv
 import dataclasses
 import datetime
@@ -12,6 +13,7 @@ import json
 import os
 import pathlib
 import re
+import tempfile
 from array import array
 from collections.abc import Iterator
 from typing import Any
@@ -109,11 +111,20 @@ class Run:
 
     @functools.cached_property
     def _csv(self) -> pathlib.Path:
-        """The folder of the tables, RUN/csv. The launcher writes them once."""
+        """The folder of the tables, RUN/csv. The launcher writes them once; it takes its name when all of them are there."""
         folder = self.folder / "csv"
         data = self.folder / "data.mcap"
         if not any(folder.glob("*.csv")) or (data.exists() and folder.stat().st_mtime < data.stat().st_mtime):
-            ask(["export", str(self.folder), "--csv", "--out", str(folder)])
+            with tempfile.TemporaryDirectory(prefix="csv.", dir=self.folder) as fresh:
+                new = pathlib.Path(fresh, "new")
+                ask(["export", str(self.folder), "--csv", "--out", str(new)])
+                with contextlib.suppress(FileNotFoundError):
+                    folder.rename(pathlib.Path(fresh, "old"))
+                try:
+                    new.rename(folder)
+                except OSError:  # somebody else was faster
+                    if not folder.is_dir():
+                        raise
         return folder
 
     @functools.cached_property

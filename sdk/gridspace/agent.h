@@ -84,8 +84,9 @@ GRIDSPACE_API char const* gridspace_settings(gridspace_agent const* agent);
 /* Numbers of the topics that the description names; patterns in it have been filled in. */
 GRIDSPACE_API int gridspace_reader(gridspace_agent const* agent, char const* topic);
 GRIDSPACE_API int gridspace_writer(gridspace_agent const* agent, char const* topic);
-/* {"reads": [{"topic", "type", "layout"}], "writes": [...], "signals": [{"name", "unit"}]}, in the order of their
- * numbers. */
+/* {"reads": [{"topic", "declared", "type", "layout"}], "writes": [...],
+ *  "signals": [{"name", "unit", "declared", "value"}]}, in the order of their numbers. `declared`: the name in the
+ * description, `value`: what has been filled in. */
 GRIDSPACE_API char const* gridspace_topics(gridspace_agent const* agent);
 
 /* Sends a sample: a struct of the type's layout, `size` octets. Its member time_ns, where there is one, is set to
@@ -101,6 +102,9 @@ GRIDSPACE_API char const* gridspace_layout(char const* type, char const* idl_fil
 /* Signals of the description, by their number or name. All values of a callback become one row when it returns. */
 GRIDSPACE_API int gridspace_signal(gridspace_agent* agent, int signal, double value);
 GRIDSPACE_API int gridspace_signal_number(gridspace_agent const* agent, char const* name);
+/* The number of what a name of the description has become, like "agent.{process}[.{evs}].v_pu", for a value of its
+ * setting, like "EV1"; with NULL: the only one that it has become. */
+GRIDSPACE_API int gridspace_declared_signal(gridspace_agent const* agent, char const* declared, char const* value);
 
 enum { GRIDSPACE_DEBUG, GRIDSPACE_INFO, GRIDSPACE_WARNING, GRIDSPACE_ERROR };
 GRIDSPACE_API void gridspace_log(int level, char const* text);

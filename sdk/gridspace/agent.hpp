@@ -236,19 +236,48 @@ class Writes {
     int number_{-1};
 };
 
-/// A signal of the agent, for recording and display.
+/// A signal of the agent, for recording and display: `signal = value`. Where its name stands for several, like
+/// "agent.{process}.{evs}.v_pu": `signal["EV1"] = value`.
 class Signal {
   public:
-    Signal(Agent& agent, std::string name, std::string unit = "")
-        : agent_{agent}, number_{agent.description().signal(std::move(name), std::move(unit))} {}
+    Signal(Agent& agent, std::string const& name, std::string const& unit = "") : agent_{agent}, declared_{name} {
+        agent.description().signal(name, unit);
+    }
     Signal& operator=(double value) {
+        if (number_ < 0) {
+            number_ = Agent::checked(gridspace_declared_signal(agent_.handle(), declared_.c_str(), nullptr));
+        }
         Agent::checked(gridspace_signal(agent_.handle(), number_, value));
         return *this;
     }
 
+    /// One of several.
+    class One {
+      public:
+        One(gridspace_agent* handle, int number) : handle_{handle}, number_{number} {}
+        One& operator=(double value) {
+            Agent::checked(gridspace_signal(handle_, number_, value));
+            return *this;
+        }
+
+      private:
+        gridspace_agent* handle_;
+        int number_;
+    };
+    One operator[](std::string const& value) {
+        auto const [known, is_new] = numbers_.try_emplace(value, -1);
+        if (known->second < 0) {
+            known->second =
+                Agent::checked(gridspace_declared_signal(agent_.handle(), declared_.c_str(), value.c_str()));
+        }
+        return {agent_.handle(), known->second};
+    }
+
   private:
     Agent& agent_;
-    int number_;
+    std::string declared_;
+    int number_{-1};
+    std::map<std::string, int> numbers_;
 };
 
 /// `int main(int argc, char** argv) { return gridspace::run<MyAgent>(argc, argv); }`

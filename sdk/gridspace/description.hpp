@@ -71,10 +71,8 @@ class Description {
     void writes(std::string const& topic, std::string const& type, TopicOptions const& o) {
         append(writes_, topic_text(topic, type, o) + "}");
     }
-    /// Its number.
-    int signal(std::string const& name, std::string const& unit) {
+    void signal(std::string const& name, std::string const& unit) {
         append(signals_, R"({"name":)" + quoted(name) + R"(,"unit":)" + quoted(unit) + "}");
-        return signal_count_++;
     }
     [[nodiscard]] std::string json() const {
         return head_ + R"(,"settings":[)" + settings_ + R"(],"elements":[)" + elements_ + R"(],"whole_steps":[)" +
@@ -113,7 +111,6 @@ class Description {
                (only.empty() ? "" : R"(,"only":{)" + only + "}");
     }
     std::string head_, settings_, elements_, whole_steps_, reads_, writes_, signals_;
-    int signal_count_{0};
 };
 
 } // namespace gridspace

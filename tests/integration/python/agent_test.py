@@ -232,6 +232,36 @@ class Agents(ScenarioTest):
         self.assertEqual([(run.folder / f"logs/{name}.log").read_text().strip() for name in ("first", "second")],
                          ["first every 60 s: 724", "second every 45 s: 724"], "four buses, each second, the first and the last as well")
 
+    def test_a_signal_of_several_names_has_a_value_for_each_and_the_next_one_its_own(self):
+        source = self.script("several.py", """
+            class Several(gridspace.Agent):
+                cars = Setting("names", doc="cars")
+                spare = Setting("name", required=False, doc="not given")
+                v = Signal("agent.{process}[.{cars}].v_pu")
+                other = Signal("agent.{process}.{spare}.x")
+                last = Signal("agent.{process}.last")
+                def begin(self):
+                    for number, car in enumerate(self.cars):
+                        self.v[car] = 1 + number
+                    self.last = 9
+                    assert self.v == {"EV1": 1, "EV2": 2} and self.last == 9
+                    for wrong in ("self.v = 1", "self.v['EV7'] = 1", "self.other = 1"):
+                        try:
+                            exec(wrong)
+                            raise AssertionError(wrong)
+                        except (ValueError, KeyError) as e:
+                            print(e)
+        """)
+        run = self.run_to_end("run", [*NO_EXPECTATIONS, "--until", "2min"], self.scenario(
+            several={"program": {"path": str(source)}, "host": "controller", "cars": ["EV1", "EV2"]}))
+        sys.path.insert(0, str(SOURCE / "python"))
+        import gridspace as package
+        signals = {name: signal.values[-1] for name, signal in package.open(run.folder).signals("agent.several.*").items()}
+        self.assertEqual(signals, {"agent.several.EV1.v_pu": 1, "agent.several.EV2.v_pu": 2, "agent.several.last": 9})
+        said = (run.folder / "logs/several.log").read_text()
+        for words in ("is several signals, set one of them: self.v['EV1'], self.v['EV2']", "no signal for 'EV7'", "no signal here"):
+            self.assertIn(words, said)
+
     def test_a_sample_of_another_idl_than_was_said_ends_the_run(self):
         self.write("weather.idl", WEATHER)
         self.write("other.idl", "module station { @final struct Weather { @key string<8> place; long long time_ns; octet sky; }; };")

@@ -64,6 +64,15 @@ class Package(unittest.TestCase):
             gridspace.open(self.folder.name)
         self.assertEqual(caught.exception.code, 2)
 
+    def test_tables_of_before_the_run_ended_are_not_mixed_with_new_ones(self):
+        folder = pathlib.Path(self.folder.name) / "grown"
+        shutil.copytree(self.run_.folder, folder, ignore=shutil.ignore_patterns("csv"))
+        (folder / "csv").mkdir()
+        (folder / "csv/signals_99.csv").write_text("time_s,bus.B1.v_pu\n0,7\n")  # of a time when it had more tables
+        os.utime(folder / "csv", (0, 0))
+        self.assertEqual(gridspace.open(folder).signal("bus.B1.v_pu").values, self.run_.signal("bus.B1.v_pu").values)
+        self.assertEqual(list(folder.glob("csv.*")), [])
+
     def test_a_run_that_has_not_ended_is_called_that(self):
         under_way = pathlib.Path(self.folder.name) / "under_way"
         shutil.copytree(self.run_.folder, under_way, ignore=shutil.ignore_patterns("report"))
