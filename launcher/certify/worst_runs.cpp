@@ -5,6 +5,8 @@
 #include "launcher/sweep/run_pool.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <span>
 
 namespace gridspace::launcher {
 
@@ -44,7 +46,21 @@ Result<void> keep_worst(std::vector<GroupResult>& groups, Certificate const& cer
             pool.interrupt();
         }
     }
-    return {};
+    if (!stops) {
+        return {};
+    }
+    for (WorstFault const* task : std::span{tasks}.first(next)) { // those that did not end have their result of before
+        GroupResult const& group = groups[task->group];
+        std::string const& key = group.plan.runs[task->run].key;
+        if (auto const& record = group.finished.records[task->run]; !record->is_kept) {
+            std::error_code ignored;
+            std::filesystem::remove_all(group.finished.folder.run(key), ignored);
+            if (auto ok = write_record(group.finished.folder.record(key), *record); !ok) {
+                return ok;
+            }
+        }
+    }
+    return fail(ExitCode::interrupted, "stopped", "the same command goes on where it stopped");
 }
 
 } // namespace gridspace::launcher

@@ -49,7 +49,8 @@ char const* word(ids::TrainParams::Method method) {
 struct Training {
     std::filesystem::path output;
     std::size_t recordings{0}, windows{0};
-    double loss_rms{0}, unseen_rms{0}; ///< of the window's scale
+    double loss_rms{0};               ///< of the window's scale, as the next
+    std::optional<double> unseen_rms; ///< nothing: it has learnt from files only
     double wall_s{0};
 };
 
@@ -61,13 +62,14 @@ void print(Training const& t, ids::Model const& model, bool as_json) {
                                 {"recordings", t.recordings},
                                 {"windows", t.windows},
                                 {"loss_rms_scaled", t.loss_rms},
-                                {"unseen_rms_scaled", t.unseen_rms},
+                                {"unseen_rms_scaled", t.unseen_rms ? Json(*t.unseen_rms) : Json()},
                                 {"wall_s", t.wall_s}}
                                .dump(2));
     } else {
-        fmt::print("{}: {} parameters, loss {:.6f} on the training windows, RMS error {:.6f} on unseen ones (of the "
-                   "window's scale), {:.1f} s\n",
-                   t.output.string(), model.parameters(), t.loss_rms, t.unseen_rms, t.wall_s);
+        fmt::print("{}: {} parameters, loss {:.6f} on the training windows, {} (of the window's scale), {:.1f} s\n",
+                   t.output.string(), model.parameters(), t.loss_rms,
+                   t.unseen_rms ? fmt::format("RMS error {:.6f} on unseen ones", *t.unseen_rms) : "no unseen ones",
+                   t.wall_s);
     }
 }
 
@@ -115,7 +117,11 @@ int ids_train(IdsTrainArguments const& arguments) {
     ids::WindowParams fresh = window;
     fresh.count = std::min<std::size_t>(window.count, 50'000);
     auto const unseen = all_recordings(*config, seed, true);
-    double const unseen_rms = unseen ? rms_error(*model, draw_windows(*unseen, fresh, seed + 1)) : 0;
+    if (!unseen) {
+        fmt::print(stderr, "note: {}\n", unseen.error().message);
+    }
+    auto const unseen_rms =
+        unseen ? std::optional{rms_error(*model, draw_windows(*unseen, fresh, seed + 1))} : std::nullopt;
     model->provenance = {{"trained_by", std::string{"gridspace "} + std::string{gridspace::version().version}},
                          {"configuration", arguments.config.filename().string()},
                          {"seed", std::to_string(seed)},

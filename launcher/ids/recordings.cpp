@@ -4,6 +4,7 @@
 
 #include "launcher/ids/exploration.hpp"
 
+#include <fmt/format.h>
 #include <iterator>
 
 namespace gridspace::cli {
@@ -16,7 +17,13 @@ constexpr std::uint64_t kUnseen = 1'000'000; ///< recordings that are trained on
 Result<std::vector<ids::LineWaveform>> all_recordings(ids::TrainingConfig const& config, std::uint64_t seed,
                                                       bool unseen,
                                                       std::function<void(std::size_t, std::size_t)> const& progress) {
-    auto out = ids::gather_recordings(config, seed, unseen ? kUnseen : 0);
+    if (unseen && config.synthetic_recordings == 0 && !config.simulated) {
+        return fail(ExitCode::usage,
+                    fmt::format("'{}' learns from files only: nobody can draw others of their kind", config.name),
+                    "name recordings that it has not learnt from");
+    }
+    auto out =
+        ids::gather_recordings(config, seed, unseen ? kUnseen : 0, unseen ? ids::OfFiles::none : ids::OfFiles::all);
     if (!out || !config.simulated) {
         return out;
     }

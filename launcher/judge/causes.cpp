@@ -3,9 +3,8 @@
 #include "launcher/judge/causes.hpp"
 
 #include "common/config/fields.hpp"
-#include "common/config/merge.hpp"
-#include "common/config/yaml.hpp"
 #include "launcher/judge/number_at.hpp"
+#include "launcher/judge/run_network.hpp"
 
 #include <set>
 #include <vector>
@@ -18,17 +17,8 @@ using config::Node;
 /// The lines at whose ends a relay's current transformers are, by the run's copy of the network file.
 std::set<std::string> own_lines(std::filesystem::path const& run, Node const& scenario, ProtectionChain const& chain) {
     std::set<std::string> out;
-    config::Diagnostics ignored; // the run was started with it
-    auto network = config::load_yaml(run / "network.yaml", ignored);
-    if (!network || !network->is_map()) {
-        return out;
-    }
-    Node const* simulation = scenario.find("simulation");
-    if (Node const* changes = simulation == nullptr ? nullptr : simulation->find("network_changes");
-        changes != nullptr && changes->is_map()) {
-        config::merge(*network, *changes);
-    }
-    Node const* transformers = network->find("cts");
+    Node const network = network_of_run(run, scenario);
+    Node const* transformers = network.find("cts");
     for (ProtectionChain::End const& end : chain.ends) {
         Node const* ct = transformers == nullptr ? nullptr : transformers->find(end.transformer);
         if (Node const* line = ct == nullptr ? nullptr : ct->find("line"); line != nullptr && line->is_scalar()) {

@@ -5,6 +5,8 @@
 #include "agents/relay/relay_program.hpp"
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
+#include "launcher/judge/number_at.hpp"
+#include "launcher/judge/run_network.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -170,7 +172,7 @@ std::vector<std::int64_t> trips_on_raw(Track const& from, Track const& to, relay
     return out;
 }
 
-std::optional<relay::RelayParams> params_of(Node const& process, Node const& network, std::string const& to_ct,
+std::optional<relay::RelayParams> params_of(Node const& process, ScoredNetwork const& network, std::string const& to_ct,
                                             double rate_hz) {
     Node own = Node::map();
     for (Node::Entry const& entry : process.entries) {
@@ -181,17 +183,14 @@ std::optional<relay::RelayParams> params_of(Node const& process, Node const& net
     relay::RelayConfig config;
     config::Diagnostics ignored; // it has run with them; keys that are not the program's are the launcher's
     config::read_fields(own, "", ignored, [&](config::Fields& f) { describe(f, config); });
-    double frequency_hz = 60;
-    if (Node const* f = own.find("frequency_hz") != nullptr ? own.find("frequency_hz") : network.find("frequency_hz")) {
-        frequency_hz = config::number_of(*f).value_or(60);
-    }
+    double const frequency_hz = number_at(&own, "frequency_hz").value_or(network.frequency_hz);
     auto const whole = [](double v) { return Rational::parse(shortest(v)).value_or(Rational{60}); };
     auto params = relay::make_params(config.logic, whole(rate_hz), whole(frequency_hz));
     if (!params) {
         return std::nullopt;
     }
     params->to_positive = config.to_positive;
-    Node const* cts = network.find("cts");
+    Node const* cts = network.file.find("cts");
     if (own.find("positive") == nullptr && cts != nullptr && text_of(cts->find(to_ct), "positive") == "into_line") {
         params->to_positive = relay::Positive::into_line;
     }
@@ -223,7 +222,7 @@ void count_alarms(IntrusionScore::Relay& r, IntrusionRecording const& recording,
     }
 }
 
-void score_relay(IntrusionScore& out, Node::Entry const& process, Node const& scenario, Node const& network,
+void score_relay(IntrusionScore& out, Node::Entry const& process, Node const& scenario, ScoredNetwork const& network,
                  SignalStore const& signals, std::vector<LoggedEvent> const& events, double end_s) {
     IntrusionScore::Relay r;
     r.relay = process.key;
@@ -234,7 +233,7 @@ void score_relay(IntrusionScore& out, Node::Entry const& process, Node const& sc
     Track const* from = out.recording.find(r.relay, r.from_stream);
     Track const* to = out.recording.find(r.relay, r.to_stream);
     std::string const from_ct = transformer_of(scenario, r.from_stream), to_ct = transformer_of(scenario, r.to_stream);
-    Node const* cts = network.find("cts");
+    Node const* cts = network.file.find("cts");
     r.line = cts == nullptr ? "" : text_of(cts->find(from_ct), "line");
     r.faults_s = faults_on(scenario, r.line);
     r.rate_hz = from == nullptr ? 4800 : from->rate_hz;
@@ -272,7 +271,7 @@ void score_relay(IntrusionScore& out, Node::Entry const& process, Node const& sc
 
 } // namespace
 
-IntrusionScore score_intrusion(IntrusionRecording recording, Node const& scenario, Node const& network,
+IntrusionScore score_intrusion(IntrusionRecording recording, Node const& scenario, ScoredNetwork const& network,
                                SignalStore const& signals, std::vector<LoggedEvent> const& events, double end_s) {
     IntrusionScore out;
     out.recording = std::move(recording);
@@ -341,10 +340,8 @@ Result<IntrusionScore> read_intrusion_score(std::filesystem::path const& folder,
     }
     config::Diagnostics ignored;
     auto const scenario = config::load_yaml(folder / "scenario.resolved.yaml", ignored);
-    std::filesystem::path const network_file = folder / "network.yaml";
-    auto const network =
-        std::filesystem::exists(network_file) ? config::load_yaml(network_file, ignored) : std::nullopt;
-    return score_intrusion(std::move(*recording), scenario ? *scenario : Node::map(), network ? *network : Node::map(),
+    Node const known = scenario ? *scenario : Node::map();
+    return score_intrusion(std::move(*recording), known, {network_of_run(folder, known), frequency_of_run(folder)},
                            signals, events, end_s);
 }
 

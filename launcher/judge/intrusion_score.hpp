@@ -52,9 +52,14 @@ struct IntrusionScore {
     std::vector<Relay> relays;
 };
 
-/// `scenario`: resolved; `network`: as it was run.
+struct ScoredNetwork {
+    config::Node file; ///< as it was run (network_of_run)
+    double frequency_hz{60};
+};
+
+/// `scenario`: resolved.
 [[nodiscard]] IntrusionScore score_intrusion(IntrusionRecording recording, config::Node const& scenario,
-                                             config::Node const& network, SignalStore const& signals,
+                                             ScoredNetwork const& network, SignalStore const& signals,
                                              std::vector<LoggedEvent> const& events, double end_s);
 
 /// Adds it as signals with one value, at the end of the run: ids.<detector>.<stream>.false_positive_percent …,

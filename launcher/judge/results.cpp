@@ -8,6 +8,7 @@
 #include "common/text.hpp"
 #include "common/time.hpp"
 #include "launcher/judge/recording_loss.hpp"
+#include "launcher/judge/run_network.hpp"
 #include "launcher/judge/wall_clock.hpp"
 #include "launcher/judge/wire_timing.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
@@ -126,10 +127,8 @@ Result<void> add_intrusion(fs::path const& folder, Results& out) {
     out.intrusion = std::move(*score);
     add_intrusion_signals(out.intrusion, out.outcome.simulated_s, out.signals);
     if (disturbed) {
-        fs::path const file = folder / "network.yaml";
-        auto const network = fs::exists(file) ? config::load_yaml(file, unread) : std::nullopt;
-        out.consequences = find_consequences(out.intrusion, *scenario, network ? *network : config::Node::map(),
-                                             out.signals, out.outcome.simulated_s);
+        out.consequences = find_consequences(out.intrusion, *scenario, network_of_run(folder, *scenario), out.signals,
+                                             out.outcome.simulated_s);
         add_consequence_signals(*out.consequences, out.outcome.simulated_s, out.signals);
     }
     return {};

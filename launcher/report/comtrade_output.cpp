@@ -3,9 +3,9 @@
 #include "launcher/report/comtrade_output.hpp"
 
 #include "common/comtrade/comtrade_record.hpp"
-#include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
+#include "launcher/judge/run_network.hpp"
 #include "launcher/judge/signal_rows.hpp"
 #include "sim/app/sim_config.hpp"
 
@@ -66,26 +66,6 @@ sim::SimulationConfig simulation_of(Node const& scenario) {
         config::read_fields(*node, "simulation", ignored, [&](config::Fields& f) { describe(f, simulation); });
     }
     return simulation;
-}
-
-/// The network of a run as far as a record speaks of it: the copy of its file in the run folder, with the scenario's
-/// changes. Empty where it is no YAML file.
-Node network_of(fs::path const& folder, sim::SimulationConfig const& simulation) {
-    config::Diagnostics ignored; // the run was started with it
-    auto network = config::load_yaml(folder / "network.yaml", ignored);
-    if (!network || !network->is_map()) {
-        return Node::map();
-    }
-    if (!simulation.network_changes.is_null()) {
-        config::merge(*network, simulation.network_changes);
-    }
-    return *network;
-}
-
-double line_frequency_hz(Node const& network) {
-    Node const* base = network.find("base");
-    Node const* frequency = base == nullptr ? nullptr : base->find("frequency_hz");
-    return frequency == nullptr ? 60 : config::number_of(*frequency).value_or(60);
 }
 
 struct Ratio {
@@ -275,7 +255,7 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
     fs::create_directories(folder, error);
     sim::SimulationConfig const simulation = simulation_of(scenario);
     double const rate = sim::signal_rate_hz(simulation).to_double();
-    Node const network = network_of(r.folder, simulation);
+    Node const network = network_of_run(r.folder, scenario);
     Ratios const ratios = ratios_of(network);
     auto const wanted = wanted_channels(usual_channels(scenario, trigger_signal(r, settings)), settings);
     for (std::size_t n = 0; n < instants.size(); ++n) {
@@ -299,7 +279,7 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
         ComtradeHeader& header = maker.record.header;
         header.station = r.scenario;
         header.device = settings.trigger.name.substr(0, settings.trigger.name.find('.'));
-        header.line_frequency_hz = line_frequency_hz(network);
+        header.line_frequency_hz = frequency_of_run(r.folder);
         header.sample_rate_hz = rate;
         std::int64_t const epoch_ns = r.epoch_unix_s * 1'000'000'000;
         header.start_unix_ns = epoch_ns + std::llround(static_cast<double>(first) / rate * 1e9);

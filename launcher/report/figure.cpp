@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/report/figure.hpp"
 
+#include "common/csv_field.hpp"
 #include "common/text.hpp"
 
 #include <algorithm>
@@ -84,7 +85,7 @@ std::string paths_csv(Figure const& f) {
             if (!std::isfinite(s.values[i])) { // the path goes on elsewhere
                 continue;
             }
-            out += fmt::format("{},{},{}\n", s.name, shortest(static_cast<double>(s.times_ns[i]) / 1e9),
+            out += fmt::format("{},{},{}\n", csv_field(s.name), shortest(static_cast<double>(s.times_ns[i]) / 1e9),
                                shortest(s.values[i]));
         }
     }
@@ -100,7 +101,7 @@ std::string to_csv(Figure const& f) {
     std::string out = f.x_label.empty() ? "time_s" : "x";
     std::set<std::int64_t> times;
     for (Figure::Series const& s : f.series) {
-        out += "," + s.name;
+        out += "," + csv_field(s.name);
         times.insert(s.times_ns.begin(), s.times_ns.end());
     }
     out += "\n";

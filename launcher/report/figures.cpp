@@ -23,6 +23,11 @@ namespace {
 using config::Node;
 using Kind = FigureSettings::Kind;
 
+/// What an axis spans at least that begins there.
+double least_width(double begin) {
+    return std::max(1e-9, 1e-9 * std::abs(begin));
+}
+
 /// Bounds of expectations about the least or greatest value of what a figure draws.
 void add_expected(Figure& f, FigureSettings const& settings, Results const& r) {
     for (ExpectationResult const& e : r.expectations) {
@@ -126,7 +131,7 @@ void distribution(Figure& f, FigureSettings const& settings, std::vector<Figure:
         f.series.push_back(std::move(s));
     }
     f.from_s = shares ? low : begin;
-    f.to_s = shares ? std::max(high, low + 1e-9) : begin + static_cast<double>(bins) * bin;
+    f.to_s = shares ? std::max(high, low + least_width(low)) : begin + static_cast<double>(bins) * bin;
     if (f.y_label.empty()) {
         f.y_label = shares ? "share of the values, %" : fmt::format("values in a bin of {:.4g}", bin);
     }
@@ -201,7 +206,7 @@ void scatter(Figure& f, FigureSettings const& settings, std::vector<Figure::Seri
             f.series.push_back(std::move(s));
         }
     }
-    double const pad = std::max(1e-9, 0.03 * (f.to_s - f.from_s));
+    double const pad = std::max(least_width(f.from_s), 0.03 * (f.to_s - f.from_s));
     f.from_s -= pad;
     f.to_s += pad;
 }

@@ -30,8 +30,14 @@ double round_step(double raw, std::string_view unit) {
 std::vector<double> ticks(double low, double high, int count, std::string_view unit) {
     double const step = round_step((high - low) / count, unit);
     std::vector<double> out;
-    for (double v = std::ceil(low / step) * step; v <= high + 1e-9 * step; v += step) {
+    double const first = std::ceil(low / step) * step;
+    double v = first;
+    for (int i = 0; v <= high + 1e-9 * step; v = first + i * step) {
+        if (i > 0 && v <= out.back()) {
+            break; // values so large that a step makes no difference
+        }
         out.push_back(std::abs(v) < 1e-12 * step ? 0 : v);
+        ++i;
     }
     return out;
 }

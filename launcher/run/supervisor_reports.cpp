@@ -68,6 +68,9 @@ void Supervisor::control(WatchedProcess const& from, std::string const& action) 
 }
 
 void Supervisor::reap(WatchedProcess& w) {
+    if (!plan_.namespaces) {
+        ::kill(-w.child.pid, SIGKILL); // what it has started and not waited for: here no namespace ends with it
+    }
     auto const end = w.reap();
     if (!end) {
         return;

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <sys/wait.h>
 #include <thread>
 
@@ -56,10 +57,51 @@ std::string text_of(fs::path const& file) {
     return {std::istreambuf_iterator<char>{stream}, {}};
 }
 
-/// Whether any task waits or runs. A controller that does not answer for a while is none that knows the job no more.
-bool is_queued(std::string const& job) {
-    Answer const answer = ask("squeue --noheader --jobs=" + shell_word(job));
-    return answer.exit == 0 ? !answer.text.empty() : answer.text.find("Invalid job id") == std::string::npos;
+/// A job in the queue of Slurm.
+class QueuedJob {
+  public:
+    explicit QueuedJob(std::string job) : job_{std::move(job)} {}
+
+    /// Whether any task waits or runs. A controller that does not answer for a while is none that knows the job no
+    /// more.
+    Result<bool> is_there() {
+        Answer const answer = ask("squeue --noheader --jobs=" + shell_word(job_));
+        if (answer.exit == 0 || answer.text.find("Invalid job id") != std::string::npos) {
+            silent_since_.reset();
+            return answer.exit == 0 && !answer.text.empty();
+        }
+        auto const now = std::chrono::steady_clock::now();
+        silent_since_ = silent_since_.value_or(now);
+        if (answer.exit == kNoSuchCommand || now - *silent_since_ > kPatience) {
+            return fail(ExitCode::environment,
+                        fmt::format("nobody knows whether job {} of Slurm still runs; squeue says: {}", job_,
+                                    answer.text.empty() ? "nothing" : answer.text),
+                        "when Slurm answers again, the same command goes on");
+        }
+        return true;
+    }
+
+  private:
+    static constexpr int kNoSuchCommand = 127;
+    static constexpr std::chrono::minutes kPatience{10};
+    std::string job_;
+    std::optional<std::chrono::steady_clock::time_point> silent_since_;
+};
+
+/// Until no task of it is left in the queue; false when `seen` asks to stop, and the job is cancelled.
+Result<bool> wait_for(std::string const& job, std::function<bool()> const& seen) {
+    QueuedJob queued{job};
+    while (true) {
+        auto const there = queued.is_there();
+        if (!there || !*there) {
+            return there ? Result<bool>{true} : std::unexpected{there.error()};
+        }
+        if (!seen()) {
+            (void)ask("scancel " + shell_word(job));
+            return false;
+        }
+        std::this_thread::sleep_for(std::chrono::seconds{1});
+    }
 }
 
 Result<std::string> submit(StudyFolder const& folder, std::vector<std::string> const& keys, std::size_t at_once,
@@ -116,7 +158,11 @@ Result<void> run_on_slurm(StudyFolder const& folder, std::vector<std::string> co
         std::erase_if(missing, [&](std::string const& key) { return read_record(folder.record(key)).has_value(); });
     };
     std::string job = text_of(folder.root / "slurm" / "job"); // of a sweep that was killed
-    bool is_followed = !job.empty() && is_queued(job);
+    auto const known = job.empty() ? Result<bool>{false} : QueuedJob{job}.is_there();
+    if (!known) {
+        return std::unexpected{known.error()};
+    }
+    bool is_followed = *known;
     while (!missing.empty()) {
         if (!is_followed) {
             auto submitted = submit(folder, missing, at_once, keep);
@@ -126,12 +172,8 @@ Result<void> run_on_slurm(StudyFolder const& folder, std::vector<std::string> co
             job = std::move(*submitted);
         }
         std::size_t const before = missing.size();
-        while (is_queued(job)) {
-            if (!seen()) {
-                (void)ask("scancel " + shell_word(job));
-                return {};
-            }
-            std::this_thread::sleep_for(std::chrono::seconds{1});
+        if (auto const over = wait_for(job, seen); !over || !*over) {
+            return over ? Result<void>{} : std::unexpected{over.error()};
         }
         forget_done();
         if (missing.size() == before && !is_followed) {

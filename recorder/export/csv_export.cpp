@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/export/csv_export.hpp"
 
+#include "common/csv_field.hpp"
 #include "common/idl/cdr_visitor.hpp"
 #include "common/text.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
@@ -56,18 +57,6 @@ class Tables {
     std::vector<std::filesystem::path> files_;
 };
 
-/// As RFC 4180 says.
-std::string quoted(std::string text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) {
-        return text;
-    }
-    std::string out = "\"";
-    for (char const c : text) {
-        out += c == '"' ? "\"\"" : std::string{c};
-    }
-    return out + "\"";
-}
-
 std::string cell(idl::Type const& type, idl::Value const& value) {
     if (type.kind == idl::Kind::enumeration) {
         auto const number = std::get<std::int64_t>(value);
@@ -77,7 +66,7 @@ std::string cell(idl::Type const& type, idl::Value const& value) {
             }
         }
     }
-    return quoted(idl::to_text(value));
+    return csv_field(idl::to_text(value));
 }
 
 /// A topic's table; columns are found in a first pass, because sequences have different lengths.
@@ -126,7 +115,7 @@ Result<void> write_signals(std::filesystem::path const& mcap, Tables& written) {
         std::ofstream stream = written.begin(groups.size() == 1 ? "signals" : fmt::format("signals_{}", ++number));
         stream << "time_s";
         for (std::string const& name : names) {
-            stream << ',' << quoted(name);
+            stream << ',' << csv_field(name);
         }
         stream << '\n';
         for (std::size_t i = 0; i < times.size(); ++i) {
@@ -224,7 +213,7 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
         }
         auto const process = m.channel.metadata.find("process");
         double const t = static_cast<double>(static_cast<std::int64_t>(m.time_ns) - epoch_ns) / 1e9;
-        table.stream << shortest(t) << ',' << (process == m.channel.metadata.end() ? "" : quoted(process->second));
+        table.stream << shortest(t) << ',' << (process == m.channel.metadata.end() ? "" : csv_field(process->second));
         for (std::string const& text : cells.row) {
             table.stream << ',' << text;
         }

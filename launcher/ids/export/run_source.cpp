@@ -7,6 +7,7 @@
 #include "common/time.hpp"
 #include "launcher/folder/sha256.hpp"
 #include "launcher/judge/intrusion_recording.hpp"
+#include "launcher/judge/run_network.hpp"
 #include "recorder/pcapng/pcapng_reader.hpp"
 
 #include <fmt/format.h>
@@ -141,12 +142,7 @@ Result<void> read_scenario(RunSource& run) {
         }
         run.started_with = launcher::sha256_of(file);
     }
-    config::Diagnostics of_network; // a network in another format has no such key
-    if (auto const network = config::load_yaml(run.folder / "network.yaml", of_network)) {
-        config::Node const* const base = network->find("base");
-        config::Node const* const frequency = base != nullptr ? base->find("frequency_hz") : nullptr;
-        run.frequency_hz = frequency != nullptr ? config::number_of(*frequency).value_or(60) : 60;
-    }
+    run.frequency_hz = launcher::frequency_of_run(run.folder);
     return diagnostics.ok() ? Result<void>{} : fail(ExitCode::usage, diagnostics.render());
 }
 

@@ -1,12 +1,13 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """A process that dies or stalls ends the run: soon, with its name, a readable recording, and nothing left behind."""
+import json
 import os
 import signal
 import time
 import unittest
 
-from harness import CHILD_DIED, PACED, STALL, ScenarioTest, gridspace
+from harness import BASE, CHILD_DIED, PACED, STALL, ScenarioTest, gridspace
 
 ENDS_WITHIN_S = 5  # promised, on a machine with nothing else to do ...
 BUSY_MACHINE_S = 25  # ... which a test cannot know: this much more, and it hangs
@@ -71,6 +72,12 @@ class Death(ScenarioTest):
     def test_killing_a_member_without_namespaces_names_it(self):
         run = self.kill_in_mid_run("ev2", ["--no-namespaces"])
         self.assert_says(run, "ev2")
+
+    def test_without_namespaces_what_a_program_has_started_ends_with_it(self):
+        deaf = "(trap '' TERM; exec sleep 1000) & exec sleep 1000"  # its child does not hear that the run is over
+        outsider = {"program": "exec", "host": "board1", "command": ["sh", "-c", deaf]}
+        run = self.run_to_end("deaf", [*BASE, "--no-namespaces", "--until", "5min", "--set", "expect=~", "--set", f"processes.outsider={json.dumps(outsider)}"])
+        self.assertEqual(run.left_over(), {})
 
     def kill_the_launcher(self, extra=()):
         run = self.start("run", [*PACED, *extra])

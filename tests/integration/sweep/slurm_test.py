@@ -119,6 +119,17 @@ class Cluster(unittest.TestCase):
         self.assertEqual(process.returncode, 3, text)
         self.assertIn("Slurm does not take the job", text)
 
+    def test_a_job_that_nobody_can_ask_for_ends_the_sweep(self):
+        with tempfile.TemporaryDirectory(prefix="gridspace-slurm-") as folder:
+            folder = pathlib.Path(folder)
+            (folder / "study.yaml").write_text(STUDY)
+            (folder / "out/slurm").mkdir(parents=True)
+            (folder / "out/slurm/job").write_text("7")  # a sweep was killed here, and squeue is gone
+            process = sweep(folder, env={**os.environ, "PATH": str(folder)})
+            text, _ = process.communicate(timeout=HANG_S)
+        self.assertEqual(process.returncode, 3, text)
+        self.assertIn("nobody knows whether job 7 of Slurm still runs", text)
+
     @unittest.skipIf(os.geteuid() != 0 or (MISSING and "GRIDSPACE_TEST_ALL" not in os.environ), f"needs root, and {', '.join(MISSING) or 'nothing else'}")
     def test_on_two_nodes(self):
         with tempfile.TemporaryDirectory(prefix="gridspace-slurm-") as folder:

@@ -67,6 +67,16 @@ TEST(AModelDescription, OfBothVersionsSaysTheSameOfTheSameModel) {
     }
 }
 
+TEST(AModelDescription, AStructuralParameterTakesNoStartValueOutsideOfConfigurationMode) {
+    Variable sut;
+    sut.causality = Causality::structural_parameter;
+    sut.variability = Variability::fixed;
+    sut.start = "3";
+    EXPECT_FALSE(sut.takes_start());
+    sut.causality = Causality::parameter;
+    EXPECT_TRUE(sut.takes_start());
+}
+
 TEST(AModelDescription, OfAnotherVersionIsRefused) {
     EXPECT_THAT(complaint(2, "fmiVersion=\"2.0\"", "fmiVersion=\"1.0\""),
                 HasSubstr("fmiVersion is '1.0', and 2.0 and 3.0 are known"));

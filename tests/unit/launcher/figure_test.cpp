@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/report/figure.hpp"
+#include "launcher/report/ticks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -72,6 +73,22 @@ TEST(Figure, HoursAndMinutesHaveTicksAsOnAClock) {
     EXPECT_THAT(ticks_of(over(25)), ElementsAre(0, 2.5, 5, 7.5, 10, 12.5, 15, 17.5, 20, 22.5, 25));
     EXPECT_THAT(ticks_of(over(300 * 24 * 3600.0)), ElementsAre(0, 1000, 2000, 3000, 4000, 5000, 6000, 7000))
         << "hours of a year are counted in tens again";
+}
+
+TEST(Figure, AnAxisOfLargeValuesThatHardlyDifferHasAnEnd) {
+    for (double const low : {2e6, 1.7e9, -2e6}) {
+        std::vector<double> const sut = ticks(low, low + 1e-9, 6, "");
+        EXPECT_LT(sut.size(), 20U) << low;
+        EXPECT_TRUE(std::ranges::is_sorted(sut));
+    }
+}
+
+TEST(Figure, ANameWithACommaIsOneColumnOfItsData) {
+    Figure sut = over(10);
+    sut.series[0] = {"max(a, \"b\")", {0}, {1}, true};
+    EXPECT_EQ(to_csv(sut), "time_s,\"max(a, \"\"b\"\")\"\n0,1\n");
+    sut.series[0].path = true;
+    EXPECT_EQ(to_csv(sut), "series,x,value\n\"max(a, \"\"b\"\")\",0,1\n");
 }
 
 TEST(Figure, ALineEndsWhereItsValuesEnd) {

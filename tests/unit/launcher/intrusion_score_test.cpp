@@ -30,7 +30,6 @@ processes:
 events: {fault: {at_s: 0.5, apply_fault: {line: TL2}}, other: {at_s: 0.2, apply_fault: {bus: B4}}}
 )";
 constexpr char const* kNetwork = R"(
-frequency_hz: 60
 cts: {CT21: {line: TL2, end: from, positive: from_to}, CT22: {line: TL2, end: to, positive: from_to}}
 )";
 
@@ -72,7 +71,7 @@ TEST(IntrusionScore, JoinsVerdictsWithLabelsAndTripsWithFaults) {
         "", {0, 208'400'000, 250'000'000, 417'000'000}, {0, 1, 0, 1}}; // 0.2084 s: sample 1000
     std::vector<LoggedEvent> const events{{0.5035, "relay2", "trip", "sample 2416, phases abc"},
                                           {0.5, "sim", "event", "fault"}};
-    IntrusionScore const sut = score_intrusion(recording(), yaml(kScenario), yaml(kNetwork), signals, events, 1);
+    IntrusionScore const sut = score_intrusion(recording(), yaml(kScenario), {yaml(kNetwork), 60}, signals, events, 1);
 
     ASSERT_EQ(sut.streams.size(), 2U);
     EXPECT_EQ(sut.streams[0].score.true_positives, 1U);
@@ -107,14 +106,14 @@ TEST(IntrusionScore, JoinsVerdictsWithLabelsAndTripsWithFaults) {
 
 TEST(IntrusionScore, ATripWithoutAFaultIsFalseAndAFaultWithoutATripIsBlocked) {
     std::vector<LoggedEvent> const events{{0.3001, "relay2", "trip", "sample 1440, phases a"}};
-    IntrusionScore const sut = score_intrusion(recording(), yaml(kScenario), yaml(kNetwork), {}, events, 1);
+    IntrusionScore const sut = score_intrusion(recording(), yaml(kScenario), {yaml(kNetwork), 60}, {}, events, 1);
     EXPECT_EQ(sut.relays[0].with.false_trips, 1U);
     EXPECT_EQ(sut.relays[0].with.late_or_blocked, 1U);
     EXPECT_FALSE(sut.relays[0].added_ms);
 }
 
 TEST(IntrusionScore, ARunWithoutDetectorsHasNothingToSay) {
-    IntrusionScore const sut = score_intrusion({}, config::Node::map(), config::Node::map(), {}, {}, 1);
+    IntrusionScore const sut = score_intrusion({}, config::Node::map(), {}, {}, {}, 1);
     EXPECT_TRUE(sut.streams.empty());
     EXPECT_TRUE(detector_tables(sut).empty());
 }
