@@ -47,7 +47,7 @@ std::string enter_namespaces() {
 
 } // namespace
 
-std::string Veth::why_not_;
+std::string Veth::why_not;
 
 void ip(std::string const& arguments) {
     ASSERT_EQ(std::system(("PATH=/usr/sbin:/sbin:$PATH ip " + arguments + " 2>&1").c_str()), 0) << "ip " << arguments;
@@ -74,15 +74,15 @@ void wait_until_frames_pass(std::string const& from, std::string const& to) {
 
 void Veth::SetUpTestSuite() {
     static bool const once = [] {
-        why_not_ = enter_namespaces();
+        why_not = enter_namespaces();
         return true;
     }();
     (void)once;
 }
 
 void Veth::SetUp() {
-    if (!why_not_.empty()) {
-        GTEST_SKIP() << why_not_;
+    if (!why_not.empty()) {
+        GTEST_SKIP() << why_not;
     }
     write_file("/proc/sys/net/ipv6/conf/default/disable_ipv6", "1"); // no frames that nobody asked for
     ip("link set lo up");
@@ -94,7 +94,7 @@ void Veth::SetUp() {
 }
 
 void Veth::TearDown() {
-    if (why_not_.empty()) {
+    if (why_not.empty()) {
         [[maybe_unused]] int const ignored = std::system(
             "PATH=/usr/sbin:/sbin:$PATH; for i in left right renamed; do ip link del $i 2>/dev/null; done; true");
     }

@@ -23,7 +23,7 @@ class Veth : public testing::Test {
     void TearDown() override;
 
   private:
-    static std::string why_not_;
+    static std::string why_not;
 };
 
 } // namespace gridspace::ethernet
