@@ -25,7 +25,7 @@ bool write_file(char const* path, std::string const& text) {
 /// An empty text, or why there is no namespace.
 std::string enter_namespaces() {
     if (char const* const uid = std::getenv("GRIDSPACE_TEST_UID"); uid != nullptr && ::geteuid() == 0) {
-        auto const id = static_cast<unsigned>(std::atoi(uid));
+        auto const id = static_cast<unsigned>(std::strtoul(uid, nullptr, 10));
         if (::setgroups(0, nullptr) != 0 || ::setresgid(id, id, id) != 0 || ::setresuid(id, id, id) != 0) {
             return std::string{"cannot become another user: "} + std::strerror(errno);
         }
