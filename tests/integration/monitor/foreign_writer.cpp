@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
     std::string const topic = argc > 4 ? argv[4] : "rt/weather";
     options.process = best_effort ? "gust" : "station";
     options.program = "foreign_writer";
-    options.domain = std::atoi(argv[2]);
+    options.domain = static_cast<int>(std::strtol(argv[2], nullptr, 10));
     options.qos_file = argv[1];
     options.addresses = {"127.0.0.1"};
     auto participant = bus::Participant::create(std::move(options));
