@@ -134,14 +134,14 @@ TEST(SvSubscriber, TellsLossFromDuplicateFromLateFromRestart) {
 }
 
 TEST(SvSubscriber, FollowsAnUnknownPublisherThatSendsInHeapsOverItsWrap) {
-    constexpr std::int64_t period = 250'000; // 4000 samples a second, in heaps of forty or so, the last one in time
+    constexpr std::int64_t kSpacing = 250'000; // 4000 samples a second, in heaps of forty or so, the last one in time
     for (int const heap : {37, 40, 64}) {
         SvSubscription s = subscription(0);
         s.rate_hz = 4000;
         SvSubscriber sut{s};
         std::int64_t time = 0;
         for (int i = 0; i < 12'000; ++i) {
-            std::int64_t const due = ((i / heap + 1) * heap - 1) * period;
+            std::int64_t const due = ((i / heap + 1) * heap - 1) * kSpacing;
             time = std::max(time + 5'000, due);
             ASSERT_TRUE(sut.receive(static_cast<std::uint16_t>(i % 4000), time).accepted) << heap << ' ' << i;
         }
