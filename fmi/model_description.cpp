@@ -311,11 +311,11 @@ bool is_number(Type type) noexcept {
     return type <= Type::uint64 || type == Type::enumeration;
 }
 
+/// A structural parameter is set in Configuration Mode only (FMI 3.0.1, 2.2.9), which we never enter.
 bool Variable::takes_start() const noexcept {
     if (variability == Variability::constant || causality == Causality::independent ||
         causality == Causality::calculated_parameter || causality == Causality::structural_parameter) {
-        return false; // a structural parameter is set in Configuration Mode only (FMI 3.0.1, 2.2.9), which we never
-                      // enter
+        return false;
     }
     bool const by_causality = causality == Causality::input || causality == Causality::parameter;
     bool const by_initial = initial == Initial::exact || initial == Initial::approx;

@@ -73,9 +73,9 @@ using Values = std::function<std::vector<std::string>(std::string_view key)>;
 /// Patterns filled in. "{KEY}" stands for the value of a setting, "{a|b}" for those of both; with several values there
 /// are several names. What stands in brackets is left out when there is one value only: "agent.{process}[.{ev}].v_pu".
 [[nodiscard]] std::vector<std::string> expand(std::string_view pattern, Values const& values);
-/// Signals in a row with the same keys stay together: all of the first element, all of the second.
 /// The values of the pattern's placeholder, in the order of expand(): one that is empty when it has none.
 [[nodiscard]] std::vector<std::string> placeholder_values(std::string_view pattern, Values const& values);
+/// Signals in a row with the same keys stay together: all of the first element, all of the second.
 [[nodiscard]] std::vector<Signal> expand(std::vector<Signal> const& signals, Values const& values);
 [[nodiscard]] std::vector<Topic> expand(std::vector<Topic> const& topics, Values const& values);
 

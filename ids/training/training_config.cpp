@@ -161,12 +161,12 @@ std::optional<TrainingConfig> load_training_config(std::filesystem::path const& 
 }
 
 Result<std::vector<LineWaveform>> gather_recordings(TrainingConfig const& c, std::uint64_t seed,
-                                                    std::uint64_t number_offset, OfFiles files) {
+                                                    std::uint64_t number_offset) {
     std::vector<LineWaveform> out(static_cast<std::size_t>(c.synthetic_recordings));
     for_each_chunk(out.size(), c.training.threads, [&](std::size_t k) {
         out[k] = synthesise(c.synthetic, static_cast<Situation>(k % 10), seed, number_offset + k);
     });
-    for (TrainingConfig::File const& f : files == OfFiles::all ? c.files : std::vector<TrainingConfig::File>{}) {
+    for (TrainingConfig::File const& f : c.files) {
         auto read = read_recording(f.file, f.options);
         if (!read) {
             return std::unexpected{read.error()};

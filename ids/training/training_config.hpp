@@ -56,11 +56,9 @@ void describe(config::Fields& f, TrainingConfig& config);
 [[nodiscard]] std::optional<TrainingConfig> load_training_config(std::filesystem::path const& file,
                                                                  config::Diagnostics& diagnostics);
 
-enum class OfFiles { all, none };
 /// The synthetic recordings and the files of a configuration; `number_offset` makes others from the same seed.
 [[nodiscard]] Result<std::vector<LineWaveform>> gather_recordings(TrainingConfig const& config, std::uint64_t seed,
-                                                                  std::uint64_t number_offset = 0,
-                                                                  OfFiles files = OfFiles::all);
+                                                                  std::uint64_t number_offset = 0);
 
 /// The model that is to be trained, without layers.
 [[nodiscard]] Model blank_model(TrainingConfig const& config);

@@ -22,8 +22,11 @@ Result<std::vector<ids::LineWaveform>> all_recordings(ids::TrainingConfig const&
                     fmt::format("'{}' learns from files only: nobody can draw others of their kind", config.name),
                     "name recordings that it has not learnt from");
     }
-    auto out =
-        ids::gather_recordings(config, seed, unseen ? kUnseen : 0, unseen ? ids::OfFiles::none : ids::OfFiles::all);
+    ids::TrainingConfig drawn = config;
+    if (unseen) {
+        drawn.files.clear(); // they have been seen
+    }
+    auto out = ids::gather_recordings(drawn, seed, unseen ? kUnseen : 0);
     if (!out || !config.simulated) {
         return out;
     }

@@ -106,8 +106,7 @@ void distribution(Figure& f, FigureSettings const& settings, std::vector<Figure:
     bool const shares = settings.kind == Kind::ecdf;
     double const bin = settings.bin > 0 ? settings.bin : std::max((high - low) / 50, 1e-9);
     double const begin = std::floor(low / bin) * bin;
-    constexpr double kMaxBins = 100000;
-    auto const bins = static_cast<std::size_t>(std::min(kMaxBins, std::floor((high - begin) / bin) + 1));
+    auto const bins = static_cast<std::size_t>(std::min(kMostBins, std::floor((high - begin) / bin) + 1));
     for (std::size_t k = 0; k < series.size(); ++k) {
         Figure::Series& s = series[k];
         s.times_ns.clear();

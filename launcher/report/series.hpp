@@ -42,6 +42,9 @@ class Colours {
 [[nodiscard]] std::vector<double> sliding_rms(std::vector<std::int64_t> const& times_ns,
                                               std::vector<double> const& values, double window_s);
 
+/// Bins of a histogram, whatever width is asked for.
+inline constexpr double kMostBins = 100'000;
+
 /// A value as a place on an axis that is not time.
 [[nodiscard]] std::int64_t as_place(double value);
 

@@ -3,6 +3,7 @@
 #include "launcher/report/stream_figures.hpp"
 
 #include "common/text.hpp"
+#include "launcher/report/series.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -119,8 +120,7 @@ void frame_intervals(FigureSettings const& settings, Drawn const& run, std::vect
     }
     SmvTiming const& first = *streams.front();
     double const nominal_ms = 1e3 * static_cast<double>(first.samples_per_frame) / first.nominal_hz.value_or(4800);
-    constexpr double kMaxBins = 100'000; // whatever rate and width are said
-    double const bin_ms = std::max(settings.bin > 0 ? settings.bin : 0.01, 5 * nominal_ms / kMaxBins);
+    double const bin_ms = std::max(settings.bin > 0 ? settings.bin : 0.01, 5 * nominal_ms / kMostBins);
     Figure f = empty_figure(settings, run);
     f.y_label = settings.label.empty() ? fmt::format("frames in a bin of {:.4g} us", bin_ms * 1e3) : settings.label;
     f.axis = f.id;

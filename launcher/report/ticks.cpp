@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gridspace::launcher {
 namespace {
@@ -30,14 +31,9 @@ double round_step(double raw, std::string_view unit) {
 std::vector<double> ticks(double low, double high, int count, std::string_view unit) {
     double const step = round_step((high - low) / count, unit);
     std::vector<double> out;
-    double const first = std::ceil(low / step) * step;
-    double v = first;
-    for (int i = 0; v <= high + 1e-9 * step; v = first + i * step) {
-        if (i > 0 && v <= out.back()) {
-            break; // values so large that a step makes no difference
-        }
+    double before = -std::numeric_limits<double>::infinity(); // of values so large, a step may make no difference
+    for (double v = std::ceil(low / step) * step; v <= high + 1e-9 * step && v > before; before = v, v += step) {
         out.push_back(std::abs(v) < 1e-12 * step ? 0 : v);
-        ++i;
     }
     return out;
 }

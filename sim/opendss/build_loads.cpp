@@ -11,6 +11,11 @@
 namespace gridspace::opendss {
 namespace {
 
+/// kvar by kW; a negative power factor is that of vars in the other direction. 0: none.
+double kvar_by_kw(double pf) {
+    return std::copysign(pf == 0 ? 0 : std::sqrt(std::max(0.0, 1 / (pf * pf) - 1)), pf);
+}
+
 /// Two of kW, kvar, kVA and power factor, as OpenDSS keeps them: what was given last decides.
 struct RatedPower {
     enum class Given { kw_pf, kw_kvar, kva_pf, kwh_pf } given{Given::kw_pf};
@@ -28,19 +33,15 @@ struct RatedPower {
         kw = given == Given::kva_pf   ? kva * std::abs(pf)
              : given == Given::kwh_pf ? kwh / (24 * kwh_days) * kwh_factor
                                       : kw;
-        kvar = kw * tangent();
+        kvar = kw * kvar_by_kw(pf);
         kva = std::hypot(kw, kvar);
-    }
-    /// kvar by kW.
-    [[nodiscard]] double tangent() const {
-        return std::copysign(pf == 0 ? 0 : std::sqrt(std::max(0.0, 1 / (pf * pf) - 1)), pf);
     }
     /// At an hour, kW and kvar. Of a shape of kW without kvar these follow from a power factor, if that was given.
     [[nodiscard]] Complex shaped(ShapeValue const& by) const {
         if (!by.actual) {
             return {kw * by.p, kvar * by.q};
         }
-        return {by.p, by.q == 0 && pf_given ? by.p * tangent() : by.q};
+        return {by.p, by.q == 0 && pf_given ? by.p * kvar_by_kw(pf) : by.q};
     }
     Meaning meaning() {
         return {{"kw", [this](Value const& v) { kw = v.number(), given = Given::kw_pf; }},
@@ -111,9 +112,7 @@ struct Inverter {
     /// kW and kvar with so many kW of the panels. Above its rating it gives up watts, unless they or the power factor
     /// come first.
     [[nodiscard]] Complex output(double kw) const {
-        double const wanted = by_kvar   ? kvar
-                              : pf == 0 ? 0
-                                        : kw * std::copysign(std::sqrt(std::max(0.0, 1 / (pf * pf) - 1)), pf);
+        double const wanted = by_kvar ? kvar : kw * kvar_by_kw(pf);
         double const most = most_kvar.value_or(kva);
         double const q = std::clamp(wanted, -most_absorbed_kvar.value_or(most), most);
         double const p = pf_first && wanted != 0 ? kw * (q / wanted) : kw;

@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """What `gridspace new` makes runs at once, and agents in C++ and C are built against nothing but an installation."""
+import csv
 import json
 import os
 import pathlib
@@ -34,6 +35,20 @@ class Relay final : public gridspace::Agent {
     gridspace::Writes<Trip> trip{*this, "{trip}", {.stream = true}};
 };
 int main(int argc, char** argv) { return gridspace::run<Relay>(argc, argv); }
+"""
+SEVERAL = """
+#include <gridspace/agent.hpp>
+struct Several : gridspace::Agent {
+    Several() : Agent{"several", "a signal of several names"} {}
+    void begin() override {
+        v["x"] = 2;
+        last = 9;
+        try { v["y"] = 1; } catch (std::exception const& e) { log(e.what()); }
+    }
+    gridspace::Setting<std::string> part{*this, "part"};
+    gridspace::Signal v{*this, "agent.{process}.{part}.v_pu"}, last{*this, "agent.{process}.last"};
+};
+int main(int argc, char** argv) { return gridspace::run<Several>(argc, argv); }
 """
 LANGUAGES = {"python": "agent_a", "c++": "agent_b", "c": "agent_c"}
 
@@ -98,6 +113,20 @@ class Sdk(harness.ScenarioTest):
             scenario.write_text(scenario.read_text().replace("most_kw: -8, fast: true", "most_kw: 8"))
             self.do("cmake", "--build", f"{name}/build")
             self.assertIn(expected, self.do(installed, "run", scenario, "--quiet", "--out", f"{name}/wrong_{number}", code=harness.CHILD_DIED))
+
+    def test_a_signal_of_several_names_has_a_value_for_each_and_the_next_one_its_own(self):
+        library = harness.BIN.resolve().parent / "lib"
+        self.write("several.cpp", SEVERAL)
+        self.do("g++", "-std=c++20", "-I", harness.SOURCE / "sdk", "several.cpp", "-o", "several", f"-L{library}", "-lgridspace", f"-Wl,-rpath,{library}")
+        scenario = self.write("own.yaml", json.dumps({"extends": str(harness.CASE_1), "processes": {
+            "several": {"program": {"path": "./several"}, "host": "controller", "part": "x"}}}))
+        run = self.run_to_end("run", ["--until", "2min", "--set", "expect=~"], scenario)
+        code, out, err = harness.gridspace("export", run.folder, "--csv", "--out", self.folder / "csv")
+        self.assertEqual(code, harness.OK, out + err)
+        tables = [list(csv.DictReader(file.open(newline=""))) for file in (self.folder / "csv").glob("signals*.csv")]
+        last = {name: float(value) for rows in tables for name, value in rows[-1].items() if name.startswith("agent.several.")}
+        self.assertEqual(last, {"agent.several.x.v_pu": 2, "agent.several.last": 9})
+        self.assertIn("'agent.{process}.{part}.v_pu' is no signal for 'y'", (run.folder / "logs/several.log").read_text())
 
     def test_an_installation_has_the_agents_that_its_scenarios_name(self):
         prefix = self.folder / "prefix"
