@@ -11,8 +11,6 @@
 namespace gridspace::iec61850 {
 namespace {
 
-using testing::ElementsAre;
-
 constexpr std::int64_t kPeriod = 208'333;
 
 SvSubscription subscription(std::uint32_t wrap = 4800) {
