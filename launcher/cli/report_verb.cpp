@@ -3,6 +3,7 @@
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/judge/results.hpp"
+#include "launcher/report/figures.hpp"
 #include "launcher/report/html_report.hpp"
 #include "launcher/report/summary.hpp"
 
@@ -23,7 +24,7 @@ int report(ReportArguments const& arguments) {
     if (!folder) {
         return print_error(folder.error());
     }
-    auto const results = launcher::read_results(*folder);
+    auto const results = launcher::read_results(*folder, nullptr, launcher::unasked_figures);
     if (!results) {
         return print_error(results.error());
     }

@@ -7,6 +7,7 @@
 #include "launcher/folder/write_file.hpp"
 #include "launcher/judge/results.hpp"
 #include "launcher/report/comtrade_output.hpp"
+#include "launcher/report/figures.hpp"
 #include "launcher/report/html_report.hpp"
 #include "launcher/report/summary.hpp"
 #include "launcher/run/run.hpp"
@@ -81,7 +82,7 @@ int conclude(FinishedRun const& finished, RunArguments const& arguments) {
     if (is_read) {
         print_cause(finished);
     }
-    auto results = read_results(finished.folder, &finished.outcome);
+    auto results = read_results(finished.folder, &finished.outcome, unasked_figures);
     auto const print_late =
         [&] { // where nobody has read what was said so far, nothing more is said before the report is there
             if (!is_read) {

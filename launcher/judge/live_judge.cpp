@@ -11,7 +11,8 @@ namespace gridspace::launcher {
 
 LiveJudge::LiveJudge(JudgedRun run)
     : run_{std::move(run)}, recording_{run_.folder / "data.mcap"},
-      signals_{[this](std::string const& signal) { return wanted(signal); }} {}
+      signals_{
+          [this](std::string const&, std::string const& signal) { return wanted(signal) ? Keep::all : Keep::none; }} {}
 
 bool LiveJudge::wanted(std::string const& signal) const {
     if (!run_.lockstep && signal.starts_with("stream.")) { // delays are made of them

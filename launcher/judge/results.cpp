@@ -9,6 +9,7 @@
 #include "common/time.hpp"
 #include "launcher/judge/recording_loss.hpp"
 #include "launcher/judge/run_network.hpp"
+#include "launcher/judge/run_signals.hpp"
 #include "launcher/judge/wall_clock.hpp"
 #include "launcher/judge/wire_timing.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
@@ -68,7 +69,7 @@ void take_outcome(RunOutcome const& seen, Results& out) {
     }
 }
 
-Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss& loss) {
+Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss& loss, AlsoNamed also_named) {
     fs::path const file = folder / "data.mcap";
     if (!fs::exists(file)) {
         out.recording_note = "nothing was recorded";
@@ -99,7 +100,7 @@ Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss&
         topic.processes.assign(processes[name].begin(), processes[name].end());
         out.topics.push_back(std::move(topic));
     }
-    auto signals = read_signals(file, [](std::string const&) { return true; });
+    auto signals = read_signals(file, needed_signals(out, also_named));
     if (!signals) {
         return std::unexpected{signals.error()};
     }
@@ -184,7 +185,7 @@ int Results::exit_code() const {
                                   : static_cast<int>(passed() ? ExitCode::ok : ExitCode::expectation_failed);
 }
 
-Result<Results> read_results(fs::path const& folder, RunOutcome const* seen) {
+Result<Results> read_results(fs::path const& folder, RunOutcome const* seen, AlsoNamed also_named) {
     if (!fs::exists(folder / "manifest.json")) {
         return fail(ExitCode::usage, fmt::format("'{}' is not a run folder", folder.string()),
                     "it has no manifest.json: give a folder that `gridspace run` has written, or latest");
@@ -197,7 +198,7 @@ Result<Results> read_results(fs::path const& folder, RunOutcome const* seen) {
     }
     out.events = read_events(folder / "events.ndjson");
     RecordingLoss loss;
-    if (auto ok = read_recording(folder, out, loss); !ok) {
+    if (auto ok = read_recording(folder, out, loss, also_named); !ok) {
         return std::unexpected{ok.error()};
     }
     out.silences = silences(out.signals, loss.published(), out.events);

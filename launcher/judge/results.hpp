@@ -15,7 +15,9 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gridspace::launcher {
@@ -44,8 +46,10 @@ struct Results {
     std::vector<ProcessRow> processes;
     std::string recording_note; ///< when the recording is not complete
     SignalStore signals;        ///< all that were recorded, and what follows from them
-    Silences silences;          ///< where signals have no value, because their process was killed
-    CounterGaps counter_gaps;   ///< what counters of processes that were killed or started again do not hold
+    /// Of these only the last value is in `signals`: an hour of all does not fit into memory (run_signals.hpp).
+    std::set<std::string> last_values;
+    Silences silences;        ///< where signals have no value, because their process was killed
+    CounterGaps counter_gaps; ///< what counters of processes that were killed or started again do not hold
     /// What the capture of the run says, read where a declared stream has no counters of its own or these have a gap.
     std::optional<wire::CaptureStatistics> capture;
     IntrusionScore intrusion;                      ///< of detectors and attacks, where there were some
@@ -61,7 +65,10 @@ struct Results {
 };
 
 /// Reads a run folder: manifest, resolved scenario, recording, events; judges the expectations. `seen` is the outcome
-/// for who has seen the run: a full disk may have kept it from the manifest.
-[[nodiscard]] Result<Results> read_results(std::filesystem::path const& folder, RunOutcome const* seen = nullptr);
+/// for who has seen the run: a full disk may have kept it from the manifest. `also_named`: text that names signals
+/// beside those of the scenario, for who wants them whole.
+using AlsoNamed = std::string_view (*)(config::Node const& scenario);
+[[nodiscard]] Result<Results> read_results(std::filesystem::path const& folder, RunOutcome const* seen = nullptr,
+                                           AlsoNamed also_named = nullptr);
 
 } // namespace gridspace::launcher

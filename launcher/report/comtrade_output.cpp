@@ -6,12 +6,15 @@
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "launcher/judge/run_network.hpp"
+#include "launcher/judge/run_signals.hpp"
 #include "launcher/judge/signal_rows.hpp"
 #include "sim/app/sim_config.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
+#include <limits>
 #include <map>
 
 namespace gridspace::launcher {
@@ -21,13 +24,19 @@ using config::Node;
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxRecords = 20; // of one run
+Spans const kWholeRun{{std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()}};
 
 /// Instants at which the trigger came, in nanoseconds of simulated time.
-std::vector<std::int64_t> instants_of(Results const& r, Node const& scenario, ComtradeSettings const& settings) {
+Result<std::vector<std::int64_t>> instants_of(Results const& r, Node const& scenario,
+                                              ComtradeSettings const& settings) {
     std::vector<std::int64_t> out;
+    auto const triggers = signals_within(r, settings.trigger_signals(), kWholeRun);
+    if (!triggers) {
+        return std::unexpected{triggers.error()};
+    }
     for (std::string const& name : settings.trigger_signals()) {
-        auto const it = r.signals.find(name);
-        if (it == r.signals.end()) {
+        auto const it = triggers->find(name);
+        if (it == triggers->end()) {
             continue;
         }
         bool set = true; // set from the beginning is no rise
@@ -125,10 +134,30 @@ ComtradeChannel channel_of(std::string const& signal, std::string const& unit, b
     return out;
 }
 
+/// Numbers of the first and last row of a record; row n is n periods of the signals after the begin of the run.
+struct Rows {
+    std::int64_t first{0}, last{0};
+    [[nodiscard]] std::size_t count() const {
+        return static_cast<std::size_t>(std::max<std::int64_t>(0, last - first + 1));
+    }
+};
+
+Rows rows_around(double trigger_s, ComtradeSettings const& settings, double rate, double end_s) {
+    double const from_s = std::max(0.0, trigger_s - settings.before_ms / 1e3),
+                 to_s = std::min(end_s, trigger_s + settings.after_ms / 1e3);
+    return {static_cast<std::int64_t>(std::ceil(from_s * rate - 1e-6)),
+            static_cast<std::int64_t>(std::floor(to_s * rate + 1e-6))};
+}
+
+/// In nanoseconds of simulated time.
+std::int64_t time_of(std::int64_t row, double rate) {
+    return std::llround(static_cast<double>(row) / rate * 1e9);
+}
+
 class RecordMaker {
   public:
-    RecordMaker(SignalStore const& signals, Ratios const& ratios, double rate, std::int64_t first, std::size_t rows)
-        : signals_{signals}, ratios_{ratios}, rate_{rate}, first_{first}, rows_{rows} {}
+    RecordMaker(SignalStore const& signals, Ratios const& ratios, double rate, Rows rows)
+        : signals_{signals}, ratios_{ratios}, rate_{rate}, rows_{rows} {}
 
     /// All signals that match, each once; false when there is none.
     bool add(std::string const& pattern, bool digital) {
@@ -150,11 +179,10 @@ class RecordMaker {
   private:
     /// What a signal holds at the instant of a row; not a number before its first value.
     std::vector<double> sampled(SignalSeries const& series) const {
-        std::vector<double> out(rows_, std::nan(""));
+        std::vector<double> out(rows_.count(), std::nan(""));
         std::size_t next = 0;
-        for (std::size_t row = 0; row < rows_; ++row) {
-            std::int64_t const t =
-                std::llround(static_cast<double>(first_ + static_cast<std::int64_t>(row)) / rate_ * 1e9);
+        for (std::size_t row = 0; row < out.size(); ++row) {
+            std::int64_t const t = time_of(rows_.first + static_cast<std::int64_t>(row), rate_);
             while (next < series.times_ns.size() && series.times_ns[next] <= t) {
                 ++next;
             }
@@ -188,8 +216,7 @@ class RecordMaker {
     SignalStore const& signals_;
     Ratios const& ratios_;
     double rate_;
-    std::int64_t first_;
-    std::size_t rows_;
+    Rows rows_;
     std::vector<std::string> taken_;
 };
 
@@ -241,7 +268,11 @@ std::optional<ComtradeSettings> comtrade_settings(Node const& scenario) {
 Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scenario, ComtradeSettings const& settings,
                                               fs::path const& folder) {
     ComtradeOutput out;
-    std::vector<std::int64_t> instants = instants_of(r, scenario, settings);
+    auto found = instants_of(r, scenario, settings);
+    if (!found) {
+        return std::unexpected{found.error()};
+    }
+    std::vector<std::int64_t> instants = std::move(*found);
     if (instants.empty()) {
         out.notes.push_back(fmt::format("'{}' did not happen: nothing to write", settings.trigger.name));
         return out;
@@ -258,14 +289,20 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
     Node const network = network_of_run(r.folder, scenario);
     Ratios const ratios = ratios_of(network);
     auto const wanted = wanted_channels(usual_channels(scenario, trigger_signal(r, settings)), settings);
+    std::vector<Rows> records;
+    Spans spans;
+    for (std::int64_t const instant : instants) {
+        records.push_back(rows_around(static_cast<double>(instant) / 1e9, settings, rate, r.outcome.simulated_s));
+        spans.emplace_back(time_of(records.back().first, rate), time_of(records.back().last, rate));
+    }
+    std::vector<std::string> patterns;
+    std::ranges::transform(wanted, std::back_inserter(patterns), [](auto const& channel) { return channel.first; });
+    auto const signals = signals_within(r, patterns, spans);
+    if (!signals) {
+        return std::unexpected{signals.error()};
+    }
     for (std::size_t n = 0; n < instants.size(); ++n) {
-        double const trigger_s = static_cast<double>(instants[n]) / 1e9;
-        double const from_s = std::max(0.0, trigger_s - settings.before_ms / 1e3),
-                     to_s = std::min(r.outcome.simulated_s, trigger_s + settings.after_ms / 1e3);
-        auto const first = static_cast<std::int64_t>(std::ceil(from_s * rate - 1e-6)),
-                   last = static_cast<std::int64_t>(std::floor(to_s * rate + 1e-6));
-        RecordMaker maker{r.signals, ratios, rate, first,
-                          static_cast<std::size_t>(std::max<std::int64_t>(0, last - first + 1))};
+        RecordMaker maker{*signals, ratios, rate, records[n]};
         for (auto const& [pattern, digital] : wanted) {
             if (!maker.add(pattern, digital) && n == 0) {
                 out.notes.push_back(fmt::format("no recorded signal matches '{}'", pattern));
@@ -282,7 +319,7 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
         header.line_frequency_hz = frequency_of_run(r.folder);
         header.sample_rate_hz = rate;
         std::int64_t const epoch_ns = r.epoch_unix_s * 1'000'000'000;
-        header.start_unix_ns = epoch_ns + std::llround(static_cast<double>(first) / rate * 1e9);
+        header.start_unix_ns = epoch_ns + time_of(records[n].first, rate);
         header.trigger_unix_ns = epoch_ns + instants[n];
         if (auto ok = write_both_forms(maker.record,
                                        folder / fmt::format("{}_{}", as_file_name(settings.trigger.name), n + 1),

@@ -19,6 +19,7 @@ namespace {
 constexpr std::array<std::string_view, 8> kPalette{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                                    "#E69F00", "#56B4E9", "#6A51A3", "#7F7F7F"};
 constexpr std::size_t kMaxPoints = 3000;
+constexpr std::size_t kMostValues = 1'000'000; // of a series in a figure's table
 
 } // namespace
 
@@ -31,14 +32,10 @@ std::string_view palette_colour(int wanted, std::size_t place) {
     return kPalette[(wanted >= 0 ? static_cast<std::size_t>(wanted) : place) % kPalette.size()];
 }
 
-std::vector<std::pair<double, double>> drawn_points(Figure::Series const& s, double from_s, double to_s) {
-    std::vector<std::pair<double, double>> points;
-    if (s.path) {
-        for (std::size_t i = 0; i < s.values.size(); ++i) {
-            points.emplace_back(static_cast<double>(s.times_ns[i]) / 1e9, s.values[i]);
-        }
-        return points;
-    }
+namespace {
+
+/// The first value that the window shows, and the one behind the last: what holds at its begin counts.
+std::pair<std::size_t, std::size_t> shown(Figure::Series const& s, double from_s, double to_s) {
     std::size_t first = 0, last = s.values.size();
     while (first + 1 < last && static_cast<double>(s.times_ns[first + 1]) / 1e9 < from_s) {
         ++first;
@@ -46,11 +43,14 @@ std::vector<std::pair<double, double>> drawn_points(Figure::Series const& s, dou
     while (last > first + 1 && static_cast<double>(s.times_ns[last - 1]) / 1e9 > to_s) {
         --last;
     }
-    std::size_t const count = last - first;
-    std::size_t const bucket = std::max<std::size_t>(1, count / (kMaxPoints / 2));
-    auto const point = [&](std::size_t i) {
-        points.emplace_back(static_cast<double>(s.times_ns[i]) / 1e9, s.values[i]);
-    };
+    return {first, last};
+}
+
+/// Of those the ones that are drawn, in their order: the extremes of each bucket.
+template <class Take>
+void draw_from(Figure::Series const& s, std::size_t first, std::size_t last, Take const& take) {
+    std::size_t const bucket = std::max<std::size_t>(1, (last - first) / (kMaxPoints / 2));
+    std::size_t taken = first;
     for (std::size_t i = first; i < last; i += bucket) {
         std::size_t low = i, high = i;
         for (std::size_t k = i; k < std::min(last, i + bucket); ++k) {
@@ -58,15 +58,55 @@ std::vector<std::pair<double, double>> drawn_points(Figure::Series const& s, dou
             low = nothing || s.values[k] < s.values[low] ? k : low;
             high = !nothing && !(s.values[k] <= s.values[high]) ? k : high;
         }
-        point(std::min(low, high));
+        take(std::min(low, high));
+        taken = std::max(low, high);
         if (low != high) {
-            point(std::max(low, high));
+            take(taken);
         }
     }
-    if (count > 0 && (points.empty() || points.back().first < static_cast<double>(s.times_ns[last - 1]) / 1e9)) {
-        point(last - 1);
+    if (first < last && s.times_ns[taken] < s.times_ns[last - 1]) {
+        take(last - 1);
     }
+}
+
+} // namespace
+
+std::vector<std::pair<double, double>> drawn_points(Figure::Series const& s, double from_s, double to_s) {
+    std::vector<std::pair<double, double>> points;
+    auto const point = [&](std::size_t i) {
+        points.emplace_back(static_cast<double>(s.times_ns[i]) / 1e9, s.values[i]);
+    };
+    if (s.path) {
+        for (std::size_t i = 0; i < s.values.size(); ++i) {
+            point(i);
+        }
+        return points;
+    }
+    auto const [first, last] = shown(s, from_s, to_s);
+    draw_from(s, first, last, point);
     return points;
+}
+
+void shorten(Figure::Series& s, double from_s, double to_s) {
+    if (s.values.size() <= kMostValues) {
+        return;
+    }
+    auto const [first, last] = shown(s, from_s, to_s);
+    std::vector<std::int64_t> times_ns;
+    std::vector<double> values;
+    auto const keep = [&](std::size_t i) {
+        times_ns.push_back(s.times_ns[i]);
+        values.push_back(s.values[i]);
+    };
+    if (last - first > kMostValues) {
+        draw_from(s, first, last, keep);
+    } else {
+        for (std::size_t i = first; i < last; ++i) {
+            keep(i);
+        }
+    }
+    s.times_ns = std::move(times_ns);
+    s.values = std::move(values);
 }
 
 TimeUnit time_unit(double span_s) {

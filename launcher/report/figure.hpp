@@ -84,6 +84,10 @@ struct TimeUnit {
 [[nodiscard]] std::vector<std::pair<double, double>> drawn_points(Figure::Series const& series, double from_s,
                                                                   double to_s);
 
+/// Leaves of a series with more than a million values those that the window shows, and of these, when they are still
+/// more, what is drawn: an hour of samples is for the recording and not for a figure's table.
+void shorten(Figure::Series& series, double from_s, double to_s);
+
 /// A complete drawing that stands alone; it carries what the report's script needs.
 [[nodiscard]] std::string to_svg(Figure const& figure);
 

@@ -210,6 +210,11 @@ void scatter(Figure& f, FigureSettings const& settings, std::vector<Figure::Seri
     f.to_s += pad;
 }
 
+ReportSettings asked_settings(Node const& scenario) {
+    Node const* report = scenario.find("report");
+    return report == nullptr ? ReportSettings{} : read_report_settings(*report);
+}
+
 void from_expressions(FigureSettings const& settings, Drawn const& run, std::vector<Figure>& out) {
     Figure f = empty_figure(settings, run);
     if (f.from_s >= f.to_s) {
@@ -230,6 +235,9 @@ void from_expressions(FigureSettings const& settings, Drawn const& run, std::vec
     default:
         f.lanes = settings.kind == Kind::digital;
         f.series = std::move(series);
+        for (Figure::Series& s : f.series) {
+            shorten(s, f.from_s, f.to_s);
+        }
         if (!f.lanes) {
             add_expected(f, settings, run.results);
         }
@@ -340,13 +348,16 @@ std::vector<Figure> make_figures(ReportSettings const& settings, Drawn const& ru
     return out;
 }
 
+std::string_view unasked_figures(Node const& scenario) {
+    ReportSettings const asked = asked_settings(scenario);
+    return asked.figures.empty() || asked.usual ? kUsualFigures : std::string_view{};
+}
+
 ReportSettings report_settings(Node const& scenario) {
-    Node const* report = scenario.find("report");
-    ReportSettings out = report == nullptr ? ReportSettings{} : read_report_settings(*report);
-    if (out.figures.empty() || out.usual) {
+    ReportSettings out = asked_settings(scenario);
+    if (std::string_view const unasked = unasked_figures(scenario); !unasked.empty()) {
         config::Diagnostics ignored;
-        auto const usual =
-            config::parse_yaml(kUsualFigures, config::make_source("usual_figures.yaml", kUsualFigures), ignored);
+        auto const usual = config::parse_yaml(unasked, config::make_source("usual_figures.yaml", unasked), ignored);
         ReportSettings more = usual ? read_report_settings(*usual) : ReportSettings{};
         for (FigureSettings& figure : more.figures) {
             bool const own = std::any_of(out.figures.begin(), out.figures.end(),

@@ -7,6 +7,7 @@
 #include "launcher/report/figure.hpp"
 #include "launcher/scenario/report_settings.hpp"
 
+#include <string_view>
 #include <vector>
 
 namespace gridspace::launcher {
@@ -29,6 +30,9 @@ struct Drawn {
 /// the settings have none.
 [[nodiscard]] Figure empty_plane(FigureSettings const& settings, Drawn const& run, std::string const& relay,
                                  std::string const& x_label, std::string const& y_label);
+
+/// The usual figures as YAML, where the scenario lists none or asks for them too; otherwise nothing.
+[[nodiscard]] std::string_view unasked_figures(config::Node const& scenario);
 
 /// `report:` as the scenario says it; the usual figures where it lists none, or asks for them too.
 [[nodiscard]] ReportSettings report_settings(config::Node const& scenario);

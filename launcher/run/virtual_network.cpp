@@ -126,7 +126,7 @@ Result<int> VirtualNetwork::make_namespace() {
     return fd;
 }
 
-Result<void> VirtualNetwork::ip(int netns, std::string const& batch) const {
+Result<void> VirtualNetwork::ip(int netns, std::string const& batch, AfterError after) const {
     static std::filesystem::path const program = system_program("ip");
     if (program.empty()) {
         return fail(ExitCode::environment, "the program `ip` is missing", "install the package iproute2");
@@ -144,7 +144,7 @@ Result<void> VirtualNetwork::ip(int netns, std::string const& batch) const {
             ::fcntl(fd, F_SETFD, 0); // named as /proc/self/fd/N in the batch
         }
         if (::setns(netns, CLONE_NEWNET) == 0) {
-            ::execl(program.c_str(), "ip", "-batch", "-", nullptr);
+            ::execl(program.c_str(), "ip", "-batch", "-", after == AfterError::go_on ? "-force" : nullptr, nullptr);
         }
         ::_exit(127);
     }
@@ -284,7 +284,17 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
             return ok;
         }
     }
+    open_switch_ports(plan);
     return prepare_ip_cables(plan);
+}
+
+void VirtualNetwork::open_switch_ports(RunPlan const& plan) const {
+    std::string commands;
+    for (std::size_t p = 0; p < plan.ports.size(); ++p) {
+        commands += fmt::format("link set dev {} type bridge_slave state 3\n", switch_port_name(p));
+    }
+    // One that is refused has no carrier: the kernel opens it when the cable is plugged in.
+    [[maybe_unused]] auto const opened = ip(own_, commands, AfterError::go_on);
 }
 
 /// Cables that carry IP and have somebody in them.

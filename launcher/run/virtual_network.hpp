@@ -19,7 +19,7 @@ class VirtualNetwork {
     VirtualNetwork& operator=(VirtualNetwork const&) = delete;
     ~VirtualNetwork();
 
-    /// All links are up, with carrier, when it returns.
+    /// All links are up, with carrier, when it returns, but for real interfaces whose cable has none.
     [[nodiscard]] Result<void> build(RunPlan const& plan);
 
     /// The namespace of a host as a file descriptor for setns().
@@ -35,8 +35,11 @@ class VirtualNetwork {
     /// The commands for the cable between a port and the switch; `inside`: what is to be done in each host.
     [[nodiscard]] std::string cable(RunPlan const& plan, Port const& port, std::string const& switch_end,
                                     std::map<std::string, std::string>& inside) const;
+    /// The kernel looks at new carriers up to a second later, and until then a switch drops what its port gets.
+    void open_switch_ports(RunPlan const& plan) const;
     [[nodiscard]] Result<void> prepare_ip_cables(RunPlan const& plan) const;
-    [[nodiscard]] Result<void> ip(int netns, std::string const& batch) const;
+    enum class AfterError { stop, go_on };
+    [[nodiscard]] Result<void> ip(int netns, std::string const& batch, AfterError after = AfterError::stop) const;
     int own_{-1};
     std::map<std::string, int> hosts_;
 };

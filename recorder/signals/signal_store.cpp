@@ -22,15 +22,20 @@ bool SignalReader::take_catalog(std::span<std::byte const> data) {
     Group group;
     for (std::uint32_t i = 0; i < count && cursor.ok(); ++i) {
         std::string const signal = cursor.text(), unit = cursor.text();
-        if (cursor.ok() && wanted_(signal)) {
+        if (Keep const keep = cursor.ok() ? keep_(source, signal) : Keep::none; keep != Keep::none) {
             SignalSeries& series = signals_[signal];
             series.unit = unit;
-            group.wanted.emplace_back(i, &series);
+            (keep == Keep::all ? group.all : group.spans).push_back({i, &series});
         }
     }
     group.columns = count;
     groups_[{source, name}] = std::move(group);
     return cursor.ok();
+}
+
+bool SignalReader::is_within_spans(std::int64_t from_ns, std::int64_t before_ns) const {
+    return std::ranges::any_of(spans_,
+                               [&](auto const& span) { return from_ns <= span.second && span.first < before_ns; });
 }
 
 bool SignalReader::take_frame(std::span<std::byte const> data) {
@@ -47,20 +52,27 @@ bool SignalReader::take_frame(std::span<std::byte const> data) {
         longest_frame_ns_ =
             std::max(longest_frame_ns_, element<std::int64_t>(times, rows - 1) - element<std::int64_t>(times, 0));
     }
-    if (group != groups_.end()) {
-        for (std::uint32_t r = 0; r < rows; ++r) {
-            for (auto const& [column, series] : group->second.wanted) {
-                series->times_ns.push_back(element<std::int64_t>(times, r));
-                series->values.push_back(element<double>(values, r * group->second.columns + column));
+    for (std::uint32_t r = 0; group != groups_.end() && r < rows; ++r) {
+        auto const time = element<std::int64_t>(times, r);
+        auto const add = [&](Column const& column) {
+            column.series->times_ns.push_back(time);
+            column.series->values.push_back(element<double>(values, r * group->second.columns + column.index));
+        };
+        std::ranges::for_each(group->second.all, add);
+        for (Column const& column : group->second.spans) {
+            std::vector<std::int64_t>& kept = column.series->times_ns;
+            if (!kept.empty() && !is_within_spans(kept.back(), time)) {
+                kept.pop_back();
+                column.series->values.pop_back();
             }
+            add(column);
         }
     }
     return true;
 }
 
-Result<SignalStore> read_signals(std::filesystem::path const& file,
-                                 std::function<bool(std::string const&)> const& wanted) {
-    SignalReader reader{wanted};
+Result<SignalStore> read_signals(std::filesystem::path const& file, KeepRule const& keep, Spans const& spans) {
+    SignalReader reader{keep, spans};
     std::string damaged;
     auto const outcome = mcap::read_messages(file, [&](mcap::Message const& message) {
         bool const good = reader.take(message.channel.topic, message.data);
@@ -77,6 +89,12 @@ Result<SignalStore> read_signals(std::filesystem::path const& file,
         return fail(ExitCode::usage, damaged);
     }
     return std::move(reader.signals());
+}
+
+Result<SignalStore> read_signals(std::filesystem::path const& file,
+                                 std::function<bool(std::string const&)> const& wanted) {
+    return read_signals(
+        file, [&](std::string const&, std::string const& signal) { return wanted(signal) ? Keep::all : Keep::none; });
 }
 
 } // namespace gridspace

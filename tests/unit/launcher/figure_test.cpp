@@ -119,6 +119,25 @@ TEST(Figure, AnEndIsDrawnAmongManyValues) {
     EXPECT_LT(points.size(), 5000U);
 }
 
+TEST(Figure, OfMoreThanAMillionValuesKeepsThoseOfItsWindowOrWhatIsDrawnOfThem) {
+    Figure::Series all{"a", {}, {}};
+    for (std::int64_t i = 0; i < 1'500'000; ++i) {
+        all.times_ns.push_back(i * 1'000'000);
+        all.values.push_back(i == 700'001 ? 1000 : static_cast<double>(i % 7));
+    }
+    Figure::Series window = all, whole = all, few = all;
+    shorten(window, 0.9995, 1.9995);
+    EXPECT_EQ(window.times_ns.size(), 1001U);
+    EXPECT_EQ(window.times_ns.front(), 999'000'000) << "what holds when the window begins";
+    shorten(whole, 0, 1500);
+    EXPECT_LT(whole.values.size(), 5000U);
+    EXPECT_EQ(*std::max_element(whole.values.begin(), whole.values.end()), 1000);
+    few.times_ns.resize(1'000'000);
+    few.values.resize(1'000'000);
+    shorten(few, 0.9995, 1.9995);
+    EXPECT_EQ(few.values.size(), 1'000'000U);
+}
+
 TEST(Figure, OfASignalThatDiffersByRoundingOnlyIsThatOfAConstant) {
     Figure figure;
     figure.id = "x";

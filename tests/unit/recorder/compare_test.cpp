@@ -2,36 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/compare/compare.hpp"
 #include "recorder/mcap/mcap_writer.hpp"
+#include "tests/support/cdr_sample.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-#include <bit>
 #include <gtest/gtest.h>
 
 namespace gridspace {
 namespace {
-
-/// Little-endian XCDR1, member by member.
-class Cdr {
-  public:
-    template <class T>
-    void number(T value) {
-        octets_.resize((octets_.size() - 4 + sizeof(T) - 1) / sizeof(T) * sizeof(T) + 4);
-        for (std::byte const b : std::bit_cast<std::array<std::byte, sizeof(T)>>(value)) {
-            octets_.push_back(b);
-        }
-    }
-    void text(std::string const& value) {
-        number(static_cast<std::uint32_t>(value.size() + 1));
-        for (char const c : value) {
-            octets_.push_back(static_cast<std::byte>(c));
-        }
-        octets_.push_back(std::byte{0});
-    }
-    [[nodiscard]] std::vector<std::byte> const& octets() const { return octets_; }
-
-  private:
-    std::vector<std::byte> octets_{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
-};
 
 class CompareSignals : public ::testing::Test {
   protected:
@@ -43,7 +20,7 @@ class CompareSignals : public ::testing::Test {
         auto const schema = file->add_schema("T", "omgidl", "struct T { long a; };");
         auto const catalog = file->add_channel(schema, "signal_catalog", "cdr", {}),
                    frames = file->add_channel(schema, "signals", "cdr", {});
-        Cdr columns;
+        CdrSample columns;
         columns.text("sim");
         columns.text("g");
         columns.number(0.0);
@@ -54,7 +31,7 @@ class CompareSignals : public ::testing::Test {
         }
         EXPECT_TRUE(file->write(catalog, 1, 0, columns.octets()));
         for (std::size_t i = 0; i < rows.size(); ++i) {
-            Cdr row;
+            CdrSample row;
             row.text("sim");
             row.text("g");
             row.number(std::uint32_t{1});
