@@ -14,6 +14,8 @@ bool is_letter(char c) {
     return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
+constexpr std::size_t kMostPatterns = 1000; // beyond, each signal counts: nobody waits for the product of both
+
 /// As the words of expressions.
 bool is_in_word(char c) {
     return is_letter(c) || std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '*' || c == '?';
@@ -60,7 +62,7 @@ void NamedSignals::look_at(std::string_view text) {
 }
 
 bool NamedSignals::contains(std::string const& signal) const {
-    return words_.contains(signal) ||
+    return words_.contains(signal) || patterns_.size() > kMostPatterns ||
            std::ranges::any_of(patterns_, [&](std::string const& pattern) { return matches_glob(pattern, signal); });
 }
 

@@ -32,6 +32,14 @@ report:
     }
 }
 
+TEST(NamedSignals, AreAllWhereThePatternsAreTooManyToTry) {
+    std::string text;
+    for (int i = 0; i < 1001; ++i) {
+        text += "pattern" + std::to_string(i) + ".* ";
+    }
+    EXPECT_TRUE(of("name: x\n", text).contains("bus.B1.v_pu"));
+}
+
 TEST(NamedSignals, DoNotCountWhatIsOnlyRecorded) {
     EXPECT_FALSE(of("record: {signals: [bus.*]}\nname: x\n").contains("bus.B1.v_pu"));
     EXPECT_TRUE(
