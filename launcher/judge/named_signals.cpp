@@ -10,11 +10,11 @@
 namespace gridspace::launcher {
 namespace {
 
+constexpr std::size_t kMostPatterns = 1000; // beyond, each signal counts: nobody waits for the product of both
+
 bool is_letter(char c) {
     return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
-
-constexpr std::size_t kMostPatterns = 1000; // beyond, each signal counts: nobody waits for the product of both
 
 /// As the words of expressions.
 bool is_in_word(char c) {

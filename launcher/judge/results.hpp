@@ -64,10 +64,11 @@ struct Results {
     [[nodiscard]] int exit_code() const;
 };
 
-/// Reads a run folder: manifest, resolved scenario, recording, events; judges the expectations. `seen` is the outcome
-/// for who has seen the run: a full disk may have kept it from the manifest. `also_named`: text that names signals
-/// beside those of the scenario, for who wants them whole.
+/// Text that names signals which somebody wants whole, beside those that a resolved scenario names.
 using AlsoNamed = std::string_view (*)(config::Node const& scenario);
+
+/// Reads a run folder: manifest, resolved scenario, recording, events; judges the expectations. `seen` is the outcome
+/// for who has seen the run: a full disk may have kept it from the manifest.
 [[nodiscard]] Result<Results> read_results(std::filesystem::path const& folder, RunOutcome const* seen = nullptr,
                                            AlsoNamed also_named = nullptr);
 
