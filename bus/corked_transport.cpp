@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/corked_transport.hpp"
 
+#include "bus/heartbeat_brake.hpp"
 #include "bus/send_together.hpp"
 #include "bus/udp_inputs.hpp"
 
@@ -15,6 +16,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <unordered_set>
 #include <vector>
 
 namespace gridspace::bus {
@@ -141,12 +143,16 @@ class CorkedTransport final : public fdds::ChainingTransport {
     bool send(rtps::SenderResource* resource, rtps::octet const* bytes, std::uint32_t size,
               fdds::LocatorsIterator* begin, fdds::LocatorsIterator* end, Clock::time_point const& timeout) override {
         Gathering& g = t_gathering;
-        if (!g.corked) {
-            return resource->send(bytes, size, begin, end, timeout);
-        }
         g.locators.clear();
         for (; *begin != *end; ++*begin) {
             g.locators.push_back(**begin);
+            announce(**begin);
+        }
+        if (!brake_.lets_pass({bytes, size}, g.locators.size(), Clock::now())) {
+            return true;
+        }
+        if (!g.corked) {
+            return send_now(resource, bytes, size, g.locators, timeout);
         }
         Shape const shape = shape_of(bytes, size);
         if (!shape.mergeable) {
@@ -225,6 +231,9 @@ class CorkedTransport final : public fdds::ChainingTransport {
             return false;
         }
         inputs_.emplace(key_of(locator), std::move(input));
+        if (options.group.empty() && options.port % 2 == 1 && descriptor_.samples_port) {
+            *descriptor_.samples_port = options.port;
+        }
         return true;
     }
 
@@ -246,6 +255,22 @@ class CorkedTransport final : public fdds::ChainingTransport {
                 rtps::IPLocator::isMulticast(locator) ? rtps::IPLocator::toIPv4string(locator) : ""};
     }
 
+    /// 2.9.1 counts what it sends, by locator, and asserts that it knows each. It does not know the own address of a
+    /// reader in a multicast group, to which all goes that is for this reader alone. An assertion of the library would
+    /// end the process.
+    void announce(rtps::Locator_t const& locator) {
+        std::uint64_t ipv4_and_port = 0;
+        for (int i = 0; i < 4; ++i) {
+            ipv4_and_port = ipv4_and_port << 8U | rtps::IPLocator::getIPv4(locator)[i];
+        }
+        ipv4_and_port = ipv4_and_port << 16U | rtps::IPLocator::getPhysicalPort(locator);
+        if (!outputs_.insert(ipv4_and_port).second) {
+            return;
+        }
+        fdds::SendResourceList none; // the sockets are there
+        low_level_transport_->OpenOutputChannel(none, locator);
+    }
+
     void admit(fdds::TransportReceiverInterface& next, std::span<std::uint8_t> datagram, rtps::Locator_t const& local,
                rtps::Locator_t const& remote) {
         std::int64_t const now_ns = std::chrono::nanoseconds{Clock::now().time_since_epoch()}.count();
@@ -258,6 +283,9 @@ class CorkedTransport final : public fdds::ChainingTransport {
     CorkedTransportDescriptor descriptor_;
     mutable std::mutex inputs_mutex_;
     std::map<Key, std::unique_ptr<UdpInput>> inputs_;
+    // Of send(), for which the participant holds the mutex of its senders.
+    std::unordered_set<std::uint64_t> outputs_; ///< IPv4 addresses and ports
+    HeartbeatBrake brake_;
 };
 
 } // namespace

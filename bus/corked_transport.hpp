@@ -4,6 +4,8 @@
 
 #include "bus/rtps_guard/gate.hpp"
 
+#include <atomic>
+#include <cstdint>
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
 #include <memory>
@@ -23,6 +25,9 @@ struct CorkedTransportDescriptor : eprosima::fastdds::rtps::ChainingTransportDes
     /// hears, and not a thread of the library's for each socket. Empty: the library does.
     std::vector<std::string> interfaces;
     std::uint32_t receive_buffer{0};
+    /// Set to the port on which it hears samples by unicast: the odd one of a participant (DDSI-RTPS 2.2, clause
+    /// 9.6.1.1: domain and participant gains are even, d1 is 10 and d3 is 11). 0: not open yet.
+    std::shared_ptr<std::atomic<std::uint16_t>> samples_port;
     [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
 };
 

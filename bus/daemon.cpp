@@ -291,6 +291,7 @@ Result<void> run_on_bus(DaemonRun& run, std::function<Result<void>(bus::Node&)> 
     }
     NobodyIsTold const nobody_without_node; // ends before the node does
     there = node->get();
+    (*node)->on_ready([&run] { run.status.matched(); });
     run.on_stop([&node] { (*node)->request_stop(); });
     auto result = body(**node);
     run.on_stop({});

@@ -78,6 +78,8 @@ class Node {
     /// Waits, as long as something advances within start_timeout_s, until all expected peers are matched and says
     /// READY.
     [[nodiscard]] Result<void> start();
+    /// Called once by start(), when all expected peers are matched.
+    void on_ready(std::function<void()> callback);
 
     /// Lockstep: the next tick that awaits this process, with all its input. Real time: whenever the clock has advanced
     /// or input has arrived. Nothing when the run is over (the tick before was final) or a stop was asked for.

@@ -185,6 +185,7 @@ struct Node::Core {
     std::vector<std::pair<std::size_t, ClockAck>> late_acks; ///< of the newest tick, by members that are late
     std::function<void(ClockAck const&)> on_ack;             ///< of the clock server; under the mutex
     std::function<bool()> server_waits_no_more;              ///< of the clock server; under the mutex
+    std::function<void()> on_ready;                          ///< of start()
     std::function<std::string()> who_is_missing;             ///< of the clock server, at the start; under the mutex
     std::function<std::size_t()> others_present; ///< of the clock server: how far the others have come; under the mutex
 
@@ -263,6 +264,10 @@ struct Node::Core {
     /// Looks at the matches and publishes member_status if they changed; returns what is missing. Only the process's
     /// own thread calls it.
     std::string refresh_status(MemberState state_when_incomplete);
+    /// After a look that has taken so long: discovery notifies, and each of its changes calls for a look. Among
+    /// hundreds of endpoints a look costs, so they take a fifth of the time at most; the processor is needed for
+    /// discovery.
+    void wait_for_matches(std::unique_lock<std::mutex>& lock, std::chrono::steady_clock::duration looked_for);
     void publish_status(MemberState state, std::string_view waiting_for);
     std::vector<Peer> status_matched;
     std::string status_missing{"-"};

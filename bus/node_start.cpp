@@ -15,6 +15,8 @@
 #include <catalog.h>
 #include <fmt/format.h>
 #include <set>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 
 namespace gridspace::bus {
@@ -36,34 +38,49 @@ std::string how_far(Participant const& network, std::string const& topic, bool w
     return has_come ? " (not discovered, though its participant is)" : " (its participant is not discovered)";
 }
 
+struct Incarnation {
+    std::uint32_t number{0};
+    std::int64_t endpoints{0};
+};
+
+/// The newest incarnation of each process among `matched`.
+std::unordered_map<std::string_view, Incarnation> newest_of(std::vector<Peer> const& matched) {
+    std::unordered_map<std::string_view, Incarnation> out;
+    for (Peer const& peer : matched) {
+        Incarnation& newest = out[peer.process];
+        if (peer.incarnation > newest.number) {
+            newest = {peer.incarnation, 0};
+        }
+        newest.endpoints += peer.incarnation == newest.number ? 1 : 0;
+    }
+    return out;
+}
+
 /// For each expected process: are so many endpoints of its newest incarnation matched?
 void check_matches(Participant const& network, bool writers, std::string const& topic,
                    std::map<std::string, std::int64_t> const& expected, std::vector<Peer> const& matched,
                    std::map<std::string, std::uint32_t>& newest, std::set<std::string>& lacking,
                    std::set<std::string> const& absent, Lookout& lookout) {
+    constexpr std::size_t kLongest = 160; // of what is said to be missing
     std::string& missing = lookout.missing;
+    auto const here = newest_of(matched);
     for (auto const& [process, count] : expected) {
         if (absent.contains(process)) {
             continue;
         }
-        std::uint32_t incarnation = 0;
-        std::int64_t endpoints = 0;
-        for (Peer const& peer : matched) {
-            if (peer.process != process || peer.incarnation < incarnation) {
-                continue;
-            }
-            endpoints = peer.incarnation > incarnation ? 1 : endpoints + 1;
-            incarnation = peer.incarnation;
-        }
+        auto const found = here.find(process);
+        auto const [incarnation, endpoints] = found == here.end() ? Incarnation{} : found->second;
         lookout.present += static_cast<std::size_t>(std::min(endpoints, count));
         auto const [it, added] = newest.try_emplace(process, incarnation);
         if (endpoints < count) {
             lacking.insert(process);
+            if (missing.size() >= kLongest) {
+                continue;
+            }
             std::string const lack =
                 fmt::format("{} of {} {}(s) of '{}' in {}{}", count - endpoints, count, writers ? "writer" : "reader",
                             topic, process, lookout.says_why ? how_far(network, topic, writers, process) : "");
-            if (missing.size() < 160 &&
-                missing.find(lack) == std::string::npos) { // several writers may lack the same reader
+            if (missing.find(lack) == std::string::npos) { // several writers may lack the same reader
                 missing += (missing.empty() ? "" : ", ") + lack;
             }
         } else if (!added) {
@@ -277,7 +294,17 @@ Result<void> Node::start() {
         return ok;
     }
     core.publish_types();
-    return core.await_others();
+    if (auto ok = core.await_others(); !ok) {
+        return ok;
+    }
+    if (core.on_ready) {
+        core.on_ready();
+    }
+    return {};
+}
+
+void Node::on_ready(std::function<void()> callback) {
+    core_->on_ready = std::move(callback);
 }
 
 Result<void> Node::Core::await_others() {
@@ -287,7 +314,9 @@ Result<void> Node::Core::await_others() {
     auto const began = std::chrono::steady_clock::now();
     bool said = false;
     while (true) {
+        auto const look = std::chrono::steady_clock::now();
         std::string const missing = refresh_status(MEMBER_STARTING);
+        auto const looked_for = std::chrono::steady_clock::now() - look;
         bool const ready = missing.empty();
         if (has_namesake()) {
             return gridspace::fail(
@@ -316,8 +345,18 @@ Result<void> Node::Core::await_others() {
         if (std::exchange(start_is_slow, slow) && !std::exchange(said, true)) { // `missing` says why
             log::info("waits for {}", missing);
         }
-        // Discovery callbacks notify; the short period only covers a change between the look and the wait.
-        changed.wait_for(lock, std::chrono::milliseconds{100});
+        wait_for_matches(lock, looked_for);
+    }
+}
+
+void Node::Core::wait_for_matches(std::unique_lock<std::mutex>& lock, std::chrono::steady_clock::duration looked_for) {
+    constexpr std::chrono::milliseconds kLongest{100};
+    if (looked_for > std::chrono::milliseconds{1}) {
+        changed.wait_for(lock, std::min<std::chrono::steady_clock::duration>(4 * looked_for, kLongest),
+                         [this] { return error || stop_requested; });
+    }
+    if (matches_published == matches_generation) {
+        changed.wait_for(lock, kLongest);
     }
 }
 

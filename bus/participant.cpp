@@ -11,6 +11,7 @@
 #include "common/log.hpp"
 #include "common/text.hpp"
 
+#include <atomic>
 #include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -219,6 +220,7 @@ class FastDdsParticipant final : public Participant {
         }
         qos.endpoint().history_memory_policy =
             codec.max_size != 0 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+        give_own_address(qos.endpoint());
         auto reader = std::make_unique<DdsReader>(directory_, subscriber != nullptr ? subscriber : subscriber_,
                                                   std::move(handler));
         if (ignore_own) {
@@ -231,6 +233,20 @@ class FastDdsParticipant final : public Participant {
                             : "its QoS profile is not consistent (depth against resource limits?)");
         }
         return reader;
+    }
+
+    /// A reader whose profile has a multicast address only would have no other: what is meant for it alone, like each
+    /// first heartbeat and what is sent again, would go to the whole group.
+    void give_own_address(dds::RTPSEndpointQos& endpoint) const {
+        if (endpoint.multicast_locator_list.empty() || !endpoint.unicast_locator_list.empty() || *samples_port_ == 0) {
+            return;
+        }
+        for (std::string const& address : options_.addresses) {
+            rtps::Locator_t locator;
+            rtps::IPLocator::setIPv4(locator, address);
+            rtps::IPLocator::setPhysicalPort(locator, *samples_port_);
+            endpoint.unicast_locator_list.push_back(locator);
+        }
     }
 
     /// Partitions are a matter of subscribers: there is one for each list of them.
@@ -273,6 +289,7 @@ class FastDdsParticipant final : public Participant {
                 auto corked = std::make_shared<CorkedTransportDescriptor>(own, gate_);
                 corked->interfaces = options_.addresses;
                 corked->receive_buffer = udp->receiveBufferSize;
+                corked->samples_port = samples_port_;
                 transport = std::move(corked);
             }
         }
@@ -324,6 +341,7 @@ class FastDdsParticipant final : public Participant {
     ParticipantOptions options_;
     bool secured_{false};
     std::shared_ptr<rtps_guard::Gate> gate_{std::make_shared<rtps_guard::Gate>()};
+    std::shared_ptr<std::atomic<std::uint16_t>> samples_port_{std::make_shared<std::atomic<std::uint16_t>>()};
     Directory directory_;
     KnownEndpoints endpoints_;
     ParticipantListener listener_;

@@ -36,6 +36,10 @@ void StatusReporter::go_on() {
     output_.flush();
 }
 
+void StatusReporter::matched() {
+    send(Json{{"status", "matched"}}.dump());
+}
+
 // `at_ns`: the instant on the machine's steady clock. Who reads this may be late, and the speed of a run is computed of
 // it.
 void StatusReporter::ready() {

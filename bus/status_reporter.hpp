@@ -27,7 +27,8 @@ class StatusReporter {
     StatusReporter(StatusReporter const&) = delete;
     StatusReporter& operator=(StatusReporter const&) = delete;
     [[nodiscard]] int fd() const { return fd_; } ///< -1: nobody listens; for a handler of signals
-    void ready();
+    void matched();                              ///< the process has found all that it exchanges samples with
+    void ready();                                ///< of the simulator: all have
     void failed(Error const& error);
     /// Progress of the simulator. Cheap; sends at most ten times a second unless `now` is set.
     void progress(double time_s, double duration_s, std::uint64_t overruns, bool now = false);

@@ -289,6 +289,7 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
     for (Process const& process : scenario.processes) {
         bus::NodeConfig const node = node_config(scenario, process, flow, ahead, peers, plan, options);
         plan.processes.push_back(plan_process(scenario, process, node, plan, options));
+        plan.processes.back().acquaintances = peers.acquaintances(process.name.name);
     }
     plan.board_places = board_places(scenario, flow);
     std::stable_partition(plan.processes.begin(), plan.processes.end(),

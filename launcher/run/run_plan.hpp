@@ -35,6 +35,7 @@ struct PlannedProcess {
     bool is_guest{false};    ///< its host's interfaces are handed over to it
     std::string ready_says;  ///< it is ready when its output holds this; empty: once it is started
     double ready_within_s{0};
+    std::size_t acquaintances{0};      ///< processes with which it exchanges samples or acknowledgements
     std::string listen;                ///< address to serve on; the launcher opens the socket
     std::string interface;             ///< a real one, which is taken into its host for the run
     std::vector<std::string> networks; ///< hosts into whose networks it looks
@@ -61,7 +62,7 @@ struct RunPlan {
     std::vector<PlacedBump> bumps;
     std::set<std::string> boxed_ip_links; ///< on which programs in simulated time speak IP
     int outer_network{-1}; ///< the network namespace in which `gridspace run` was called, where real interfaces are
-    std::vector<PlannedProcess> processes; ///< the simulator last: everybody else is there when it starts to wait
+    std::vector<PlannedProcess> processes;         ///< the simulator last
     std::vector<std::vector<ProcessAction>> holds; ///< by index of the simulator's hold
     double duration_s{0};
     bool lockstep{true};

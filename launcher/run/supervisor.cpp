@@ -5,12 +5,14 @@
 #include "bus/board/board.hpp"
 #include "common/text.hpp"
 #include "common/waited_time.hpp"
+#include "launcher/run/gradual_start.hpp"
 #include "launcher/run/output_watch.hpp"
 #include "launcher/run/supervisor_core.hpp"
 
 #include <algorithm>
 #include <csignal>
 #include <fmt/format.h>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <poll.h>
 #include <sys/resource.h>
@@ -94,22 +96,47 @@ Result<void> Supervisor::start(WatchedProcess& w) {
 }
 
 Result<void> Supervisor::start_all() {
-    for (bool const first : {true, false}) {
-        for (WatchedProcess& w : watched_) {
-            if (w.is_external() || w.plan.ready_says.empty() == first) {
-                continue;
-            }
-            if (auto ok = start(w); !ok) {
-                return ok;
-            }
+    std::vector<WatchedProcess*> others;
+    for (WatchedProcess& w : watched_) {
+        if (w.is_external()) {
+            continue;
         }
-        for (WatchedProcess const& w : watched_) {
-            if (first && !failure_) {
-                wait_until_ready(w);
-            }
+        if (w.plan.ready_says.empty()) {
+            others.push_back(&w);
+        } else if (auto ok = start(w); !ok) {
+            return ok;
+        }
+    }
+    for (WatchedProcess const& w : watched_) {
+        if (!failure_) {
+            wait_until_ready(w);
+        }
+    }
+    return start_gradually(std::move(others));
+}
+
+Result<void> Supervisor::start_gradually(std::vector<WatchedProcess*> processes) {
+    if (processes.size() > GradualStart::kAtOnce) { // those for whom most look have to be there
+        std::ranges::stable_sort(processes, std::greater{}, [](auto const* w) { return w->plan.acquaintances; });
+    }
+    GradualStart gradual;
+    auto const has_room = [&] {
+        std::size_t looking = 0, matched = 0;
+        for (WatchedProcess const* const w : processes) {
+            matched += w->matched ? 1 : 0;
+            looking += w->running && w->plan.has_status && !w->matched ? 1 : 0;
+        }
+        return gradual.has_room(looking, matched);
+    };
+    for (WatchedProcess* const w : processes) {
+        while (!failure_ && !has_room()) {
+            step();
         }
         if (failure_) {
             break;
+        }
+        if (auto ok = start(*w); !ok) {
+            return ok;
         }
     }
     return {};

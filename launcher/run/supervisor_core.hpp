@@ -34,6 +34,8 @@ class Supervisor {
     Result<void> start(WatchedProcess& w);
     /// First those whose readiness is waited for: the others wait for each other, with a deadline.
     Result<void> start_all();
+    /// Some at a time (GradualStart).
+    Result<void> start_gradually(std::vector<WatchedProcess*> processes);
     /// Of somebody's own program that says so in its output.
     void wait_until_ready(WatchedProcess const& w);
     /// The run is over: it failed, was stopped, or the simulator has finished and everybody who follows it has too.

@@ -33,6 +33,10 @@ void Supervisor::read_status(WatchedProcess& w) {
 
 void Supervisor::on_status(WatchedProcess& w, nlohmann::ordered_json& status) {
     std::string const what = text_of(status, "status");
+    if (what == "matched") {
+        w.matched = true;
+        return;
+    }
     if (what == "failed") {
         w.reported = Error{static_cast<ExitCode>(value_of(status, "code", 4)), text_of(status, "message"),
                            text_of(status, "remedy")};

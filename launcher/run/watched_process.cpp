@@ -47,6 +47,7 @@ Result<void> WatchedProcess::start(SpawnOptions const& options) {
     }
     child = *started;
     running = true;
+    matched = false;
     pending.clear();
     std::ofstream{pid_file(plan)} << child.pid << '\n'; // without it the monitor says nothing of the process
     return {};

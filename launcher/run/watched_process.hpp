@@ -29,6 +29,7 @@ struct WatchedProcess {
     PlannedProcess plan;
     Child child;
     bool running{false};
+    bool matched{false};         ///< it has found all that it exchanges samples with
     bool expected_to_die{false}; ///< killed by an event of the scenario
     bool paused{false};          ///< by an event of the scenario: it does not hear of the end
     bool asked_to_end{false};

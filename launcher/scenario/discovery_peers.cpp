@@ -12,16 +12,14 @@ namespace {
 
 constexpr std::size_t kFew = 16; ///< so many are looked for from both sides: they meet half a second sooner
 
-using Acquaintances = std::map<std::string, std::set<std::string>>;
-
 /// Recorders and monitors listen to everybody, and everybody to the simulator's clock.
 bool concerns_everybody(Scenario const& scenario, Process const& process) {
     return &process == scenario.simulator() || !process.settings->is_member() ||
            process.program.name == "gridspace-recorder";
 }
 
-Acquaintances acquaintances(Scenario const& scenario, Dataflow const& flow) {
-    Acquaintances known;
+std::map<std::string, std::set<std::string>> acquaintances_in(Scenario const& scenario, Dataflow const& flow) {
+    std::map<std::string, std::set<std::string>> known;
     auto const introduce = [&](std::string const& a, std::string const& b) {
         if (a != b) {
             known[a].insert(b);
@@ -60,27 +58,27 @@ bool finds_others_in_its_own_way(Scenario const& scenario, Process const& proces
 } // namespace
 
 DiscoveryPeers::DiscoveryPeers(Scenario const& scenario, Dataflow const& flow, std::vector<Port> const& ports)
-    : ports_{ports} {
+    : ports_{ports}, known_{acquaintances_in(scenario, flow)} {
     if (std::any_of(scenario.processes.begin(), scenario.processes.end(),
                     [&](Process const& p) { return finds_others_in_its_own_way(scenario, p); })) {
         return;
     }
-    Acquaintances const known = acquaintances(scenario, flow);
-    auto const popularity = [&](std::string const& process) {
-        auto const it = known.find(process);
-        return it == known.end() ? std::size_t{0} : it->second.size();
-    };
     for (Process const& process : scenario.processes) {
         ++processes_on_host_[process.host.name];
         Place& place = places_[process.name.name];
         place.host = process.host.name;
-        if (auto const it = known.find(process.name.name); it != known.end()) {
+        if (auto const it = known_.find(process.name.name); it != known_.end()) {
             std::copy_if(it->second.begin(), it->second.end(), std::back_inserter(place.looks_for),
                          [&](std::string const& other) {
-                             return popularity(other) >= it->second.size() || it->second.size() <= kFew;
+                             return acquaintances(other) >= it->second.size() || it->second.size() <= kFew;
                          });
         }
     }
+}
+
+std::size_t DiscoveryPeers::acquaintances(std::string const& process) const {
+    auto const it = known_.find(process);
+    return it == known_.end() ? 0 : it->second.size();
 }
 
 std::vector<std::string> DiscoveryPeers::at(std::string const& host, std::string const& from, bool management,

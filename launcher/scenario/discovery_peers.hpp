@@ -6,6 +6,9 @@
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/scenario.hpp"
 
+#include <cstddef>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,6 +25,8 @@ class DiscoveryPeers {
     DiscoveryPeers(Scenario const& scenario, Dataflow const& flow, std::vector<Port> const& ports);
     /// `management`: the network of the clock, otherwise the studied one, in this DDS domain.
     [[nodiscard]] std::vector<std::string> of(std::string const& process, bool management, std::int64_t domain) const;
+    /// How many have to do with it.
+    [[nodiscard]] std::size_t acquaintances(std::string const& process) const;
 
   private:
     struct Place {
@@ -31,8 +36,9 @@ class DiscoveryPeers {
     std::vector<std::string> at(std::string const& host, std::string const& from, bool management,
                                 std::int64_t domain) const;
     std::vector<Port> const& ports_;
-    std::map<std::string, Place> places_;          ///< by process; empty: multicast
-    std::map<std::string, int> processes_on_host_; ///< by host
+    std::map<std::string, std::set<std::string>> known_; ///< who has to do with whom
+    std::map<std::string, Place> places_;                ///< by process; empty: multicast
+    std::map<std::string, int> processes_on_host_;       ///< by host
 };
 
 } // namespace gridspace::launcher
