@@ -7,6 +7,7 @@
 #include "launcher/cli/checks.hpp"
 #include "launcher/cli/doctor_latency.hpp"
 #include "launcher/cli/verbs.hpp"
+#include "launcher/run/kernel_drops.hpp"
 #include "launcher/run/namespaces.hpp"
 #include "launcher/run/virtual_network.hpp"
 #include "launcher/scenario/installation.hpp"
@@ -109,6 +110,18 @@ Finding check_buffers() {
             enough ? "" : "bursts may be dropped: sysctl -w net.core.rmem_max=4194304 net.core.wmem_max=4194304"};
 }
 
+Finding check_backlog() {
+    std::uint64_t const backlog = launcher::kernel_backlog();
+    bool const enough = backlog == 0 || backlog >= launcher::kEnoughBacklog;
+    return {enough ? Level::ok : Level::note, "frames in the kernel",
+            fmt::format("net.core.netdev_max_backlog {}, {} frames dropped for it since the machine was started",
+                        backlog, launcher::kernel_drops()),
+            enough ? ""
+                   : fmt::format("with more than a hundred hosts frames may be dropped: "
+                                 "sysctl -w net.core.netdev_max_backlog={}",
+                                 launcher::kEnoughBacklog)};
+}
+
 /// Not a matter of the machine, but of what a run may meet on its networks.
 Finding check_participants() {
     return {Level::ok, "DDS participants",
@@ -189,6 +202,7 @@ int doctor(bool json) {
                                         try_real_time(),
                                         check_locked_memory(),
                                         check_buffers(),
+                                        check_backlog(),
                                         check_participants(),
                                         check_clock(),
                                         check_shared_memory(),

@@ -8,6 +8,7 @@
 #include "launcher/run/domain_lock.hpp"
 #include "launcher/run/emulation.hpp"
 #include "launcher/run/follower.hpp"
+#include "launcher/run/kernel_drops.hpp"
 #include "launcher/run/listening.hpp"
 #include "launcher/run/live_verdict.hpp"
 #include "launcher/run/monitor_client.hpp"
@@ -215,9 +216,15 @@ FinishedRun follow_to_the_end(Scenario const& scenario, RunPlan const& plan, pid
                               Progress& progress, EventLog& events, InterruptWatch& interrupts) {
     FinishedRun finished;
     finished.folder = plan.folder;
+    std::uint64_t const dropped_before = kernel_drops();
     {
         LiveVerdict const so_far{scenario, plan.folder};
         finished.outcome = follow(plan, supervisor, channel.get(), progress, events, interrupts);
+    }
+    std::uint64_t const dropped = kernel_drops(); // of 32 bits: it may have begun again
+    if (auto const lost = lost_in_kernel(dropped - std::min(dropped, dropped_before), kernel_backlog()); lost) {
+        events.write(finished.outcome.simulated_s, "launcher", "kernel_dropped_frames", describe(*lost));
+        progress.note("note: " + describe(*lost));
     }
     channel.reset();
     forget_run_keys(plan.folder);

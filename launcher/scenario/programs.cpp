@@ -31,6 +31,7 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
+#include <map>
 #include <set>
 #include <span>
 
@@ -84,19 +85,39 @@ class SimSettings final : public DeclaredSettings {
     }
 
   private:
+    /// "bus.*: 26, ev.*: 594".
+    static std::string counts(std::map<std::string, std::size_t> const& of_kind) {
+        std::vector<std::string> parts;
+        for (auto const& [kind, count] : of_kind) {
+            parts.push_back(fmt::format("{}: {}", kind, count));
+        }
+        return join(parts, ", ");
+    }
     /// What it publishes together must fit into one sample of `signals` (sim/app/signal_output.cpp).
     void check_signal_groups(Scenario const& s, Process const& process, Diagnostics& diagnostics) const {
         std::size_t sampled = 0, switching = 0;
+        std::vector<std::string> names;
+        std::map<std::string, std::size_t> of_kind; // "bus.*": how many
         for (SignalUse const& signal : signals(s, process)) {
             bool const wanted = std::any_of(s.record.signals.begin(), s.record.signals.end(),
                                             [&](std::string const& p) { return matches_glob(p, signal.name); });
             (signal.rate_hz == 0 ? switching : sampled) += wanted ? 1 : 0;
+            ++of_kind[signal.name.substr(0, signal.name.find('.')) + ".*"];
+            names.push_back(signal.name);
+        }
+        if (sampled + switching == 0 && !s.record.signals.empty() && !names.empty()) {
+            std::string const& first = s.record.signals.front();
+            diagnostics.warning(
+                process.name.where,
+                fmt::format("none of its signals is one of record.signals ({})", join(s.record.signals, ", ")),
+                did_you_mean(first, names, "`gridspace signals SCENARIO` lists them"));
         }
         for (auto const& [group, count] : {std::pair{"electrical", sampled}, {"switching", switching}}) {
             if (count > bus::kMaxSignals) {
                 diagnostics.error(process.name.where,
                                   fmt::format("{} signals in group '{}', and {} fit", count, group, bus::kMaxSignals),
-                                  "choose some with record.signals: `gridspace signals SCENARIO` lists them");
+                                  fmt::format("choose some with record.signals, for example [{}]; there are {}",
+                                              of_kind.begin()->first, counts(of_kind)));
             }
         }
     }

@@ -40,7 +40,7 @@ processes:
 {agents}
   mcca: {{program: gridspace-mcca, host: controller, qos: mcca, evs: [{", ".join(evs)}], request_timeout_s: 30, latency_us: 1000000}}
   recorder: {{program: gridspace-recorder, host: simulator, qos: recorder}}
-record: {{samples: all, frames: none}}
+record: {{samples: all, frames: none, signals: ["ev.*"]}}
 {extra}""")
     return scenario
 

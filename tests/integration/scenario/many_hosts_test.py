@@ -37,9 +37,9 @@ class ManyHosts(ScenarioTest):
         self.assertEqual(run.finish(), 0, run.stderr())
         self.assertEqual(run.left_over(), {})
         self.assertEqual((run.folder / "logs/listener.log").read_text(), "listening\n", "no ARP")
-        # While a start lasts, things are said again: 41,000 datagrams in 6 s, 107,000 in 15 s, 148,000 and 212,000 in 32 s of a busy machine.
+        # 28,000 to 30,000 in 3 to 4 s beside a load of 20; when discovery's heartbeats went to all of them 41,000 in 6 s and 212,000 in 32 s.
         # By multicast each of n answers each discovery to all n: 1,600,000 in 70 s.
-        self.assertLess(sent, 1000 * (HOSTS + 3) + 6000 * seconds)
+        self.assertLess(sent, 700 * (HOSTS + 3) + 2000 * seconds)
 
 
 if __name__ == "__main__":

@@ -78,7 +78,13 @@ class Refusals(ScenarioTest):
         network = self.write("network.yaml", f"extends: {NETWORK}\nloads:\n{loads}")
         err = self.refused("validate", self.write("scenario.yaml", f"extends: {CASE_1}\nsimulation: {{network: {network}}}\n"))
         self.assertIn("signals in group 'electrical', and 1024 fit", err)
-        self.assertIn("record.signals", err)
+        self.assertRegex(err, r"record\.signals, for example \[.*load\.\*: \d+")
+
+    def test_patterns_that_match_no_signal_are_warned_of(self):
+        wrong = self.write("scenario.yaml", f"extends: {CASE_1}\nrecord: {{signals: [EV1.soc_percent]}}\nfigures: ~\nexpect: ~\n")
+        code, _, err = gridspace("validate", wrong)
+        self.assertEqual(code, 0, err)
+        self.assertRegex(err, r"none of its signals is one of record\.signals \(EV1\.soc_percent\)")
 
 
 if __name__ == "__main__":
