@@ -102,7 +102,7 @@ def a_little_of(gridspace, scenario):
     """The shortest of some times that is a whole number of the scenario's ticks."""
     times = ("0.02s", "0.05s", "1s", "10s")[0 if "goose" in scenario.read_text() or "smv" in scenario.read_text() else 2:]
     for until in times:
-        command = [gridspace, "validate", scenario, "--until", until, "--set", "expect={}"]
+        command = [gridspace, "run", scenario, "--dry-run", "--until", until, "--set", "expect={}"]
         if subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False).returncode == 0:
             return until
     return times[-1]  # the run says why not
