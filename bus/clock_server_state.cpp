@@ -144,9 +144,7 @@ bool ClockServer::State::post_clock(SimTime time) {
 Result<void> ClockServer::State::await_ready(std::string const& what) {
     StartPatience patience{core.config.clock.start_timeout_s};
     while (true) {
-        auto const look = std::chrono::steady_clock::now();
         std::string own_missing = core.refresh_status(MEMBER_STARTING);
-        auto const looked_for = std::chrono::steady_clock::now() - look;
         std::unique_lock lock{core.mutex};
         for (Peer const& peer : core.status_matched) { // what is sent to the old incarnation is lost for the new one
             auto const newest = incarnations.find(peer.process);
@@ -170,7 +168,7 @@ Result<void> ClockServer::State::await_ready(std::string const& what) {
                                     shortest(core.config.clock.start_timeout_s),
                                     others.empty() ? "the simulator waits for " + own_missing : others));
         }
-        core.wait_for_matches(lock, looked_for);
+        core.wait_for_matches(lock);
     }
 }
 

@@ -146,9 +146,10 @@ class CorkedTransport final : public fdds::ChainingTransport {
         g.locators.clear();
         for (; *begin != *end; ++*begin) {
             g.locators.push_back(**begin);
-            announce(**begin);
+            make_known(**begin);
         }
-        if (!brake_.lets_pass({bytes, size}, g.locators.size(), Clock::now())) {
+        if (HeartbeatBrake::concerns({bytes, size}) &&
+            !brake_.lets_pass({bytes, size}, g.locators.size(), Clock::now())) {
             return true;
         }
         if (!g.corked) {
@@ -258,17 +259,13 @@ class CorkedTransport final : public fdds::ChainingTransport {
     /// 2.9.1 counts what it sends, by locator, and asserts that it knows each. It does not know the own address of a
     /// reader in a multicast group, to which all goes that is for this reader alone. An assertion of the library would
     /// end the process.
-    void announce(rtps::Locator_t const& locator) {
-        std::uint64_t ipv4_and_port = 0;
-        for (int i = 0; i < 4; ++i) {
-            ipv4_and_port = ipv4_and_port << 8U | rtps::IPLocator::getIPv4(locator)[i];
+    void make_known(rtps::Locator_t const& locator) {
+        std::uint32_t ipv4 = 0;
+        std::memcpy(&ipv4, rtps::IPLocator::getIPv4(locator), sizeof ipv4);
+        if (outputs_.insert(std::uint64_t{ipv4} << 16U | rtps::IPLocator::getPhysicalPort(locator)).second) {
+            fdds::SendResourceList none; // the sockets are there
+            low_level_transport_->OpenOutputChannel(none, locator);
         }
-        ipv4_and_port = ipv4_and_port << 16U | rtps::IPLocator::getPhysicalPort(locator);
-        if (!outputs_.insert(ipv4_and_port).second) {
-            return;
-        }
-        fdds::SendResourceList none; // the sockets are there
-        low_level_transport_->OpenOutputChannel(none, locator);
     }
 
     void admit(fdds::TransportReceiverInterface& next, std::span<std::uint8_t> datagram, rtps::Locator_t const& local,

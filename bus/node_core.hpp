@@ -264,15 +264,15 @@ struct Node::Core {
     /// Looks at the matches and publishes member_status if they changed; returns what is missing. Only the process's
     /// own thread calls it.
     std::string refresh_status(MemberState state_when_incomplete);
-    /// After a look that has taken so long: discovery notifies, and each of its changes calls for a look. Among
-    /// hundreds of endpoints a look costs, so they take a fifth of the time at most; the processor is needed for
-    /// discovery.
-    void wait_for_matches(std::unique_lock<std::mutex>& lock, std::chrono::steady_clock::duration looked_for);
+    /// Until discovery notifies, or for 100 ms. Each of its changes calls for a look, and among hundreds of endpoints a
+    /// look costs: looks take a fifth of the time at most, because discovery needs the processor.
+    void wait_for_matches(std::unique_lock<std::mutex>& lock);
     void publish_status(MemberState state, std::string_view waiting_for);
     std::vector<Peer> status_matched;
     std::string status_missing{"-"};
-    bool start_is_slow{false};        ///< so what is missing is told with what of it is known
-    std::size_t endpoints_present{0}; ///< at the last look; the process's own thread's
+    bool start_is_slow{false};                         ///< so what is missing is told with what of it is known
+    std::chrono::steady_clock::duration look_lasted{}; ///< the last look at the matches
+    std::size_t endpoints_present{0};                  ///< at the last look; the process's own thread's
 };
 
 } // namespace gridspace::bus

@@ -139,7 +139,9 @@ std::string Node::Core::refresh_status(MemberState state_when_incomplete) {
     }
     Lookout lookout;
     lookout.says_why = start_is_slow;
+    auto const began = std::chrono::steady_clock::now();
     std::vector<Peer> const matched = matched_peers(lookout);
+    look_lasted = std::chrono::steady_clock::now() - began;
     std::string& missing = lookout.missing;
     endpoints_present = lookout.present;
     if (missing.empty() && is_late_joiner()) {
@@ -314,9 +316,7 @@ Result<void> Node::Core::await_others() {
     auto const began = std::chrono::steady_clock::now();
     bool said = false;
     while (true) {
-        auto const look = std::chrono::steady_clock::now();
         std::string const missing = refresh_status(MEMBER_STARTING);
-        auto const looked_for = std::chrono::steady_clock::now() - look;
         bool const ready = missing.empty();
         if (has_namesake()) {
             return gridspace::fail(
@@ -345,14 +345,14 @@ Result<void> Node::Core::await_others() {
         if (std::exchange(start_is_slow, slow) && !std::exchange(said, true)) { // `missing` says why
             log::info("waits for {}", missing);
         }
-        wait_for_matches(lock, looked_for);
+        wait_for_matches(lock);
     }
 }
 
-void Node::Core::wait_for_matches(std::unique_lock<std::mutex>& lock, std::chrono::steady_clock::duration looked_for) {
+void Node::Core::wait_for_matches(std::unique_lock<std::mutex>& lock) {
     constexpr std::chrono::milliseconds kLongest{100};
-    if (looked_for > std::chrono::milliseconds{1}) {
-        changed.wait_for(lock, std::min<std::chrono::steady_clock::duration>(4 * looked_for, kLongest),
+    if (look_lasted > std::chrono::milliseconds{1}) {
+        changed.wait_for(lock, std::min<std::chrono::steady_clock::duration>(4 * look_lasted, kLongest),
                          [this] { return error || stop_requested; });
     }
     if (matches_published == matches_generation) {

@@ -74,6 +74,19 @@ TEST(DiscoveryPeers, WhoKnowsManyIsLookedForAndDoesNotLook) {
     EXPECT_THAT(peers(s, "ev1", true), SizeIs(2));
 }
 
+TEST(DiscoveryPeers, CountWhoHasToDoWithAProcessAlsoWhereAllAreFoundByMulticast) {
+    Scenario s = agents(40);
+    std::vector<Port> const ports = plan_ports(s);
+    auto const acquaintances = [&](char const* process) {
+        return DiscoveryPeers{s, dataflow(s), ports}.acquaintances(process);
+    };
+    EXPECT_EQ(acquaintances("sim"), 41U) << "the agents and the controller";
+    EXPECT_EQ(acquaintances("ev1"), 2U);
+    EXPECT_EQ(acquaintances("nobody"), 0U);
+    add(s, "own", "exec").written = {{.topic = "x", .type = "ChargingRequest"}};
+    EXPECT_GE(acquaintances("sim"), 41U);
+}
+
 TEST(DiscoveryPeers, NobodyToLookForIsNotEverybody) {
     Scenario s = agents(0);
     s.processes.erase(s.processes.begin() + 1);
