@@ -41,10 +41,12 @@ Result<void> ClockServer::start() {
         std::lock_guard const lock{s.core.mutex};
         s.core.on_ack = [&s](ClockAck const& ack) {
             std::size_t const member = s.barrier.member_index(ack.member().c_str());
-            bool const has_sent = std::any_of(ack.wires().begin(), ack.wires().end(),
-                                              [](WireLedgerEntry const& entry) { return !entry.frames().empty(); });
+            std::uint64_t frames = 0;
+            for (WireLedgerEntry const& entry : ack.wires()) {
+                frames += entry.frames().size();
+            }
             if (member != lockstep::Barrier::kUnknown &&
-                !s.barrier.on_ack(member, ack.tick(), ack.next_tick_needed(), has_sent)) {
+                !s.barrier.on_ack(member, ack.tick(), ack.next_tick_needed(), frames)) {
                 s.core.fail_locked({ExitCode::stall,
                                     fmt::format("{} has acknowledged tick {}, and the newest is {}",
                                                 ack.member().c_str(), ack.tick(), s.barrier.tick()),

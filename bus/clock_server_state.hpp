@@ -37,7 +37,7 @@ struct ClockServer::State {
     static std::vector<lockstep::Barrier::Member> barrier_members(std::vector<MemberPlan> const& plan) {
         std::vector<lockstep::Barrier::Member> members;
         for (MemberPlan const& member : plan) {
-            members.push_back({member.name, member.triggered_by, member.late});
+            members.push_back({member.name, member.triggered_by, member.late, member.collects_frames});
         }
         return members;
     }

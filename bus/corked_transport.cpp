@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/corked_transport.hpp"
 
+#include "bus/gathered_message.hpp"
 #include "bus/heartbeat_brake.hpp"
 #include "bus/send_together.hpp"
 #include "bus/udp_inputs.hpp"
@@ -26,13 +27,8 @@ namespace fdds = eprosima::fastdds::rtps;
 namespace rtps = eprosima::fastrtps::rtps;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kHeaderSize = 20;   // "RTPS", version, vendor, GUID prefix
-constexpr std::size_t kMaxMessage = 1472; // one Ethernet frame: no IP fragments
-constexpr std::size_t kGuidPrefixSize = 12;
-// A vendor's submessage that ends every datagram of Fast DDS. Its UDP transport fills it in by position: it looks for
-// this octet at a fixed distance from the end, so a message without it may have its payload overwritten. A merged
-// message therefore ends in exactly one.
-constexpr std::uint8_t kStatistics = 0x80;
+constexpr std::size_t kMaxMessage = 1472;       // one Ethernet frame: no IP fragments
+constexpr std::size_t kMaxLocalMessage = 32768; // the loopback interface takes 64 KiB in one piece
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wnon-virtual-dtor" // the base class is the library's, and nobody deletes through it
@@ -54,89 +50,96 @@ class LocatorWalk final : public fdds::LocatorsIterator {
 };
 #pragma GCC diagnostic pop
 
-/// What decides whether two messages may become one.
-struct Shape {
-    bool mergeable{false};
-    std::size_t body{0};  ///< octets up to the statistics submessage at the end
-    bool directed{false}; ///< has an INFO_DST; all of them name `destination`
-    std::array<std::uint8_t, kGuidPrefixSize> destination{};
-};
-
-/// Walks the submessages. Only kinds whose meaning does not depend on being alone in a message are merged.
-Shape shape_of(std::uint8_t const* message, std::size_t size) {
-    constexpr std::array<std::uint8_t, 9> kPlain{
-        0x06 /*ACKNACK*/,  0x07 /*HEARTBEAT*/,  0x08 /*GAP*/, 0x09 /*INFO_TS*/, 0x0e /*INFO_DST*/, 0x15 /*DATA*/,
-        0x30 /*SEC_BODY*/, 0x31 /*SEC_PREFIX*/, 0x32 /*SEC_POSTFIX*/}; // these three stay together
-    Shape shape;
-    std::size_t at = kHeaderSize;
-    while (at + 4 <= size) {
-        std::uint8_t const id = message[at];
-        bool const little = (message[at + 1] & 1U) != 0;
-        std::size_t const length =
-            little ? message[at + 2] | (message[at + 3] << 8U) : message[at + 3] | (message[at + 2] << 8U);
-        if (id == kStatistics && at + 4 + length == size) {
-            break;
-        }
-        bool const has_no_body = id == 0x09 && (message[at + 1] & 2U) != 0; // INFO_TS that invalidates
-        if (std::find(kPlain.begin(), kPlain.end(), id) == kPlain.end() || (length == 0 && !has_no_body) ||
-            at + 4 + length > size) {
-            return shape;
-        }
-        if (id == 0x0e) {
-            if (length != kGuidPrefixSize ||
-                (shape.directed && std::memcmp(shape.destination.data(), message + at + 4, kGuidPrefixSize) != 0)) {
-                return shape;
-            }
-            std::memcpy(shape.destination.data(), message + at + 4, kGuidPrefixSize);
-            shape.directed = true;
-        }
-        at += 4 + length;
-    }
-    shape.body = at;
-    shape.mergeable = true;
-    return shape;
+using Destination = std::uint64_t; ///< IPv4 address and port
+Destination destination_of(rtps::Locator_t const& locator) {
+    std::uint32_t ipv4 = 0;
+    std::memcpy(&ipv4, rtps::IPLocator::getIPv4(locator), sizeof ipv4);
+    return std::uint64_t{ipv4} << 16U | rtps::IPLocator::getPhysicalPort(locator);
 }
 
-struct CorkedMessage {
+using OwnAddresses = std::vector<std::uint32_t>;
+OwnAddresses numbers_of(std::vector<std::string> const& addresses) {
+    OwnAddresses out;
+    for (std::string const& address : addresses) {
+        rtps::Locator_t locator;
+        rtps::IPLocator::setIPv4(locator, address);
+        out.push_back(static_cast<std::uint32_t>(destination_of(locator) >> 16U));
+    }
+    return out;
+}
+std::size_t longest_to(Destination destination, OwnAddresses const& own) {
+    bool const local = std::ranges::find(own, static_cast<std::uint32_t>(destination >> 16U)) != own.end();
+    return local ? kMaxLocalMessage : kMaxMessage;
+}
+
+struct Held {
     rtps::SenderResource* resource{nullptr};
     std::vector<rtps::Locator_t> locators;
-    std::vector<std::uint8_t> bytes; ///< without `tail`
-    std::vector<std::uint8_t> tail;  ///< the statistics submessage, or empty
-    Shape shape;
+    OwnAddresses const* own{nullptr}; ///< of the participant
+    GatheredMessage message;
 };
 
 /// The gathered messages of one thread. Buffers are kept for the next tick.
 struct Gathering {
     bool corked{false};
-    std::vector<CorkedMessage> held;
+    std::vector<Held> held;
     std::size_t used{0};
     std::vector<rtps::Locator_t> locators; // of the message at hand
+    std::map<std::pair<rtps::SenderResource*, Destination>, Held> by_destination;
 };
 
 thread_local Gathering t_gathering;
 
-bool send_now(rtps::SenderResource* resource, std::uint8_t const* bytes, std::size_t size,
+bool send_now(rtps::SenderResource* resource, std::span<std::uint8_t const> message,
               std::vector<rtps::Locator_t> const& locators, Clock::time_point const& timeout) {
     LocatorWalk begin{locators.data()};
     LocatorWalk end{locators.data() + locators.size()};
-    return resource->send(bytes, static_cast<std::uint32_t>(size), &begin, &end, timeout);
+    return resource->send(message.data(), static_cast<std::uint32_t>(message.size()), &begin, &end, timeout);
+}
+
+void send_held(Held& held, Clock::time_point const& timeout) {
+    send_now(held.resource, held.message.finish(), held.locators, timeout);
+    held.message.clear();
+}
+
+/// Topics have different readers, so several messages may be for one destination: again one for each, in their order.
+void add_for_destinations(Held const& held, Clock::time_point const& timeout) {
+    MessageParts const parts = held.message.parts();
+    for (rtps::Locator_t const& locator : held.locators) {
+        Destination const destination = destination_of(locator);
+        Held& to = t_gathering.by_destination[{held.resource, destination}];
+        if (!to.message.empty() && !to.message.takes(parts, longest_to(destination, *held.own))) {
+            send_held(to, timeout);
+        }
+        to.resource = held.resource;
+        to.locators.assign(1, locator);
+        to.message.add(parts);
+    }
 }
 
 void flush() {
     Gathering& g = t_gathering;
     auto const timeout = Clock::now() + std::chrono::milliseconds{100};
-    for (std::size_t i = 0; i < g.used; ++i) {
-        CorkedMessage& held = g.held[i];
-        held.bytes.insert(held.bytes.end(), held.tail.begin(), held.tail.end());
-        send_now(held.resource, held.bytes.data(), held.bytes.size(), held.locators, timeout);
+    std::span const held = std::span{g.held}.first(std::exchange(g.used, 0));
+    if (held.size() == 1) {
+        send_held(held.front(), timeout);
+        return;
     }
-    g.used = 0;
+    for (Held& message : held) {
+        add_for_destinations(message, timeout);
+        message.message.clear();
+    }
+    for (auto& [destination, to] : g.by_destination) {
+        if (!to.message.empty()) {
+            send_held(to, timeout);
+        }
+    }
 }
 
 class CorkedTransport final : public fdds::ChainingTransport {
   public:
     explicit CorkedTransport(CorkedTransportDescriptor const& descriptor)
-        : ChainingTransport{descriptor}, descriptor_{descriptor} {}
+        : ChainingTransport{descriptor}, descriptor_{descriptor}, own_addresses_{numbers_of(descriptor.interfaces)} {}
 
     fdds::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
 
@@ -152,25 +155,22 @@ class CorkedTransport final : public fdds::ChainingTransport {
             !brake_.lets_pass({bytes, size}, g.locators.size(), Clock::now())) {
             return true;
         }
+        std::span const message{bytes, size};
         if (!g.corked) {
-            return send_now(resource, bytes, size, g.locators, timeout);
+            return send_now(resource, message, g.locators, timeout);
         }
-        Shape const shape = shape_of(bytes, size);
-        if (!shape.mergeable) {
+        MessageParts const parts = parts_of(message);
+        if (!parts.mergeable) {
             flush(); // nothing overtakes
-            return send_now(resource, bytes, size, g.locators, timeout);
+            return send_now(resource, message, g.locators, timeout);
         }
         for (std::size_t i = g.used; i-- > 0;) {
-            CorkedMessage& held = g.held[i];
+            Held& held = g.held[i];
             if (held.resource != resource || held.locators != g.locators) {
                 continue;
             }
-            bool const same_destination = // an INFO_DST stays in force until the next one
-                held.shape.directed == shape.directed && held.shape.destination == shape.destination;
-            if (same_destination && held.bytes.size() + size - kHeaderSize <= kMaxMessage &&
-                std::memcmp(held.bytes.data(), bytes, kHeaderSize) == 0) {
-                held.bytes.insert(held.bytes.end(), bytes + kHeaderSize, bytes + shape.body);
-                held.tail.assign(bytes + shape.body, bytes + size);
+            if (held.message.takes(parts, longest_to_all(g.locators))) {
+                held.message.add(parts);
                 return true;
             }
             flush();
@@ -178,14 +178,12 @@ class CorkedTransport final : public fdds::ChainingTransport {
         }
         if (g.used == g.held.size()) {
             g.held.emplace_back();
-            g.held.back().bytes.reserve(kMaxMessage);
         }
-        CorkedMessage& held = g.held[g.used++];
+        Held& held = g.held[g.used++];
         held.resource = resource;
         held.locators = g.locators;
-        held.bytes.assign(bytes, bytes + shape.body);
-        held.tail.assign(bytes + shape.body, bytes + size);
-        held.shape = shape;
+        held.own = &own_addresses_;
+        held.message.add(parts);
         return true;
     }
 
@@ -256,13 +254,19 @@ class CorkedTransport final : public fdds::ChainingTransport {
                 rtps::IPLocator::isMulticast(locator) ? rtps::IPLocator::toIPv4string(locator) : ""};
     }
 
+    [[nodiscard]] std::size_t longest_to_all(std::vector<rtps::Locator_t> const& locators) const {
+        std::size_t out = kMaxLocalMessage;
+        for (rtps::Locator_t const& locator : locators) {
+            out = std::min(out, longest_to(destination_of(locator), own_addresses_));
+        }
+        return out;
+    }
+
     /// 2.9.1 counts what it sends, by locator, and asserts that it knows each. It does not know the own address of a
     /// reader in a multicast group, to which all goes that is for this reader alone. An assertion of the library would
     /// end the process.
     void make_known(rtps::Locator_t const& locator) {
-        std::uint32_t ipv4 = 0;
-        std::memcpy(&ipv4, rtps::IPLocator::getIPv4(locator), sizeof ipv4);
-        if (outputs_.insert(std::uint64_t{ipv4} << 16U | rtps::IPLocator::getPhysicalPort(locator)).second) {
+        if (outputs_.insert(destination_of(locator)).second) {
             fdds::SendResourceList none; // the sockets are there
             low_level_transport_->OpenOutputChannel(none, locator);
         }
@@ -278,10 +282,11 @@ class CorkedTransport final : public fdds::ChainingTransport {
     }
 
     CorkedTransportDescriptor descriptor_;
+    OwnAddresses const own_addresses_; ///< as destination_of() gives them
     mutable std::mutex inputs_mutex_;
     std::map<Key, std::unique_ptr<UdpInput>> inputs_;
     // Of send(), for which the participant holds the mutex of its senders.
-    std::unordered_set<std::uint64_t> outputs_; ///< IPv4 addresses and ports
+    std::unordered_set<Destination> outputs_;
     HeartbeatBrake brake_;
 };
 

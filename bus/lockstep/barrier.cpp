@@ -10,7 +10,7 @@ namespace gridspace::lockstep {
 Barrier::Barrier(std::vector<Member> members, std::uint64_t max_lag) : max_lag_{std::max<std::uint64_t>(1, max_lag)} {
     std::sort(members.begin(), members.end(), [](Member const& a, Member const& b) { return a.name < b.name; });
     for (Member const& member : members) {
-        members_.push_back({member.name, {}});
+        members_.push_back({.name = member.name, .triggers = {}, .collects_frames = member.collects_frames});
     }
     for (std::size_t i = 0; i < members.size(); ++i) {
         for (std::string const& trigger : members[i].triggered_by) {
@@ -53,22 +53,26 @@ void Barrier::await(std::size_t member) {
 }
 
 void Barrier::open(std::uint64_t tick, bool everybody) {
-    tick_ = tick;
     awaited_count_ = 0;
     std::fill(bits_.begin(), bits_.end(), std::uint8_t{0});
     late_.clear();
     for (State& state : members_) {
         state.awaited = false;
+        if (state.acked == static_cast<std::int64_t>(tick_)) { // here, where those of all are counted
+            state.frames_before = frames_;
+        }
         if (std::exchange(state.has_sent, false)) {
             late_.insert(late_.end(), state.triggers_late.begin(), state.triggers_late.end());
         }
     }
+    tick_ = tick;
     for (std::size_t const member : late_) {
         await(member);
     }
     for (std::size_t i = 0; i < members_.size(); ++i) {
         State const& state = members_[i];
-        bool const lagging = static_cast<std::int64_t>(tick) - state.acked >= static_cast<std::int64_t>(max_lag_);
+        bool const lagging = static_cast<std::int64_t>(tick) - state.acked >= static_cast<std::int64_t>(max_lag_) ||
+                             (state.collects_frames && frames_ - state.frames_before >= kMostFrames);
         if (everybody || lagging || state.next_needed <= tick) {
             await(i);
         }
@@ -76,7 +80,7 @@ void Barrier::open(std::uint64_t tick, bool everybody) {
     open_acks_ = awaited_count_;
 }
 
-bool Barrier::on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed, bool has_sent) {
+bool Barrier::on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed, std::uint64_t frames) {
     State& state = members_[member];
     if (tick > tick_) {
         return false;
@@ -85,7 +89,8 @@ bool Barrier::on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_
         return true;
     }
     state.acked = static_cast<std::int64_t>(tick);
-    state.has_sent = has_sent;
+    state.has_sent = frames > 0;
+    frames_ += frames;
     state.next_needed = std::max(next_tick_needed, tick + 1);
     if (tick == tick_ && state.awaited) {
         --open_acks_;

@@ -13,16 +13,20 @@ namespace gridspace::lockstep {
 /// The simulator's side of the barrier: who is awaited in tick k, and have they all acknowledged it?
 ///
 /// Awaited are the members that asked for the tick (next_tick_needed), those that have not acknowledged for max_lag
-/// ticks (so that nobody's inbox overflows), those for whom a late member has made something in the last
-/// tick, and everybody who is triggered, directly or not, by one of these. The set depends on acknowledgements only,
-/// never on wall time, so skipping idle members does not change a run. Pure.
+/// ticks (so that nobody's inbox overflows) or, who collect frames, since kMostFrames were sent (so that no ring
+/// does), those for whom a late member has made something in the last tick, and everybody who is triggered, directly
+/// or not, by one of these. The set depends on acknowledgements only, never on wall time, so skipping idle members
+/// does not change a run. Pure.
 class Barrier {
   public:
     struct Member {
         std::string name;
         std::vector<std::string> triggered_by; ///< members whose output makes this one work in the same tick
         std::vector<std::string> late{};       ///< members whose output makes this one work in the next tick
+        bool collects_frames{false};           ///< it leaves frames where they arrive until it works
     };
+    /// A quarter of what a port keeps (ethernet::PortOptions): those of the tick in which it works come on top.
+    static constexpr std::uint64_t kMostFrames = 1024;
     Barrier(std::vector<Member> members, std::uint64_t max_lag);
 
     /// Opens tick k (k counts up by one). `everybody`: the first and the last tick.
@@ -36,10 +40,10 @@ class Barrier {
     [[nodiscard]] std::string const& member_name(std::size_t index) const { return members_[index].name; }
     [[nodiscard]] std::size_t size() const { return members_.size(); }
 
-    /// `has_sent`: frames, which who hears it late will find in the next tick. False, and not taken: a tick that is
-    /// still to come.
+    /// `frames`: so many it has sent; who hears it late will find them in the next tick. False, and not taken: a tick
+    /// that is still to come.
     [[nodiscard]] bool on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed,
-                              bool has_sent = false);
+                              std::uint64_t frames = 0);
     /// The member is not awaited any more (the scenario lets the run go on without it).
     void drop(std::size_t member);
     /// A new incarnation of the member joined: it is awaited from the next tick on.
@@ -59,6 +63,8 @@ class Barrier {
         bool awaited{false};
         bool dropped{false};
         bool has_sent{false}; ///< in the open tick
+        bool collects_frames{false};
+        std::uint64_t frames_before{0}; ///< of all members, up to the tick that it acknowledged last
     };
     void await(std::size_t member);
 
@@ -69,6 +75,7 @@ class Barrier {
     std::uint64_t tick_{0};
     std::size_t awaited_count_{0};
     std::size_t open_acks_{0};
+    std::uint64_t frames_{0}; ///< of all members
 };
 
 } // namespace gridspace::lockstep

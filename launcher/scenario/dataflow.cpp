@@ -225,6 +225,8 @@ Dataflow dataflow(Scenario const& scenario) {
         if (process.program.name ==
             "gridspace-recorder") { // it keeps the acknowledgements of those too who only listen
             plan.upstream = other_members(scenario, process);
+            plan.collects_frames = !plan.triggered_by.empty();
+            plan.triggered_by.clear(); // it works in batches
         } else {
             for (std::string const& up : plan.upstream) {
                 if (scenario.find_process(up)->settings->sends_late(scenario)) {
@@ -373,6 +375,7 @@ config::Node simulator_settings(Scenario const& scenario) {
         member.set("triggered_by", name_list(plan.triggered_by));
         member.set("late", name_list(plan.late));
         member.set("feeds_simulator", Node::scalar(plan.feeds_simulator ? "true" : "false"));
+        member.set("collects_frames", Node::scalar(plan.collects_frames ? "true" : "false"));
         members.set(plan.name, std::move(member));
     }
     node.set("members", std::move(members));

@@ -233,22 +233,26 @@ std::vector<std::string> FrameCapture::strangers() const {
     return out;
 }
 
-Result<void> FrameCapture::write_due() {
+void FrameCapture::take_due() {
     if (node_.lockstep() && file_ != nullptr) {
         fetch(); // what nobody has announced, too: it makes room, and is counted
     }
-    std::vector<bus::WireFrame const*> due;
+    due_.clear();
     for (auto const& [channel, reader] : readers_) {
         auto const frames = reader->take();
-        due.insert(due.end(), frames.begin(), frames.end());
+        due_.insert(due_.end(), frames.begin(), frames.end());
     }
+    std::sort(due_.begin(), due_.end(),
+              [lockstep = node_.lockstep()](bus::WireFrame const* a, bus::WireFrame const* b) {
+                  return lockstep ? std::tie(a->time, a->port, a->octets) < std::tie(b->time, b->port, b->octets)
+                                  : a->kernel_ns < b->kernel_ns;
+              });
+}
+
+Result<void> FrameCapture::write_taken() {
     bool const lockstep = node_.lockstep();
-    std::sort(due.begin(), due.end(), [&](bus::WireFrame const* a, bus::WireFrame const* b) {
-        return lockstep ? std::tie(a->time, a->port, a->octets) < std::tie(b->time, b->port, b->octets)
-                        : a->kernel_ns < b->kernel_ns;
-    });
     std::int64_t const epoch_ns = node_.config().clock.epoch_unix_s * 1'000'000'000;
-    for (bus::WireFrame const* frame : due) {
+    for (bus::WireFrame const* frame : due_) {
         std::span<std::uint8_t const> const octets{reinterpret_cast<std::uint8_t const*>(frame->octets.data()),
                                                    frame->octets.size()};
         std::int64_t const stamp = lockstep ? epoch_ns + node_.time_base().nanoseconds(frame->time) : frame->kernel_ns;

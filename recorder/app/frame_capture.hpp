@@ -27,7 +27,8 @@ class FrameCapture {
     [[nodiscard]] static Result<std::unique_ptr<FrameCapture>> open(bus::Node& node, CaptureConfig const& config);
     ~FrameCapture();
 
-    [[nodiscard]] Result<void> write_due();
+    void take_due();                          ///< frames whose time has come
+    [[nodiscard]] Result<void> write_taken(); ///< those of the last take_due()
     [[nodiscard]] Result<void> close();
     /// Real time, after close(): frames that the kernel could not keep for us, or that waited too long for the disk.
     [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
@@ -64,6 +65,7 @@ class FrameCapture {
     std::vector<Port> ports_;
     std::map<Channel, std::unique_ptr<bus::WireReader>> readers_;
     std::array<ethernet::ReceivedFrame, 64> batch_; ///< of who fetches
+    std::vector<bus::WireFrame const*> due_;
     std::uint64_t dropped_{0};
     std::atomic<bool> stop_{false};
     std::thread thread_;

@@ -96,10 +96,14 @@ class RecorderShell {
                 auto recording = file_.close();
                 return closed ? recording : closed;
             }
-            if (auto ok = frames_->write_due(); !ok) {
-                return ok;
+            take_due((*tick)->final);
+            // Taken is acknowledged: in lockstep the others go on while it is compressed and written.
+            if (!(*tick)->final) {
+                if (auto ok = node_.done(**tick, bus::TickGrid::kNever); !ok) {
+                    return ok;
+                }
             }
-            if (auto ok = write_due((*tick)->final); !ok) {
+            if (auto ok = write_taken(); !ok) {
                 return ok;
             }
             if ((*tick)->final) {
@@ -114,15 +118,13 @@ class RecorderShell {
                     return ok;
                 }
                 log::info("{} samples, {} octets", file_.messages(), file_.octets());
-            } else if (auto ok = flush_sometimes(); !ok) {
-                return ok;
+                if (auto ok = node_.done(**tick, bus::TickGrid::kNever); !ok) {
+                    return ok;
+                }
+                return file_.close(); // the simulator does not wait for the disk
             }
-            // Samples are kept by the receiving threads; they are written and acknowledged in batches.
-            if (auto ok = node_.done(**tick, bus::TickGrid::kNever); !ok) {
+            if (auto ok = flush_sometimes(); !ok) {
                 return ok;
-            }
-            if ((*tick)->final) { // the simulator does not wait for the disk
-                return file_.close();
             }
         }
     }
@@ -137,10 +139,8 @@ class RecorderShell {
         while (true) {
             auto const remaining = node_.writers_here(); // before what they have sent is taken
             std::this_thread::sleep_for(kRound);
-            if (auto ok = frames_->write_due(); !ok) {
-                return ok;
-            }
-            if (auto ok = write_due(true); !ok) {
+            take_due(true);
+            if (auto ok = write_taken(); !ok) {
                 return ok;
             }
             auto const now = std::chrono::steady_clock::now();
@@ -243,7 +243,8 @@ class RecorderShell {
 
     /// Everything whose time has come, in the order (time, topic, process, writer, sequence), which is the same in
     /// every run.
-    Result<void> write_due(bool final) {
+    void take_due(bool final) {
+        frames_->take_due();
         batch_.clear();
         for (std::size_t i = 0; i < taps_.size(); ++i) {
             if (final) {
@@ -264,6 +265,12 @@ class RecorderShell {
             return std::tuple{a.time, a.tap, a.origin.process, a.origin.writer, a.origin.sequence} <
                    std::tuple{b.time, b.tap, b.origin.process, b.origin.writer, b.origin.sequence};
         });
+    }
+
+    Result<void> write_taken() {
+        if (auto ok = frames_->write_taken(); !ok) {
+            return ok;
+        }
         for (Entry const& entry : batch_) {
             if (auto ok = write(entry); !ok) {
                 return ok;

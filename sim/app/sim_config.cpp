@@ -69,6 +69,8 @@ void describe(config::Fields& f, SimConfig& c) {
         names(m, "triggered_by", plan.triggered_by, "those whose output makes it work in the same tick");
         names(m, "late", plan.late, "those upstream whose output is due after the tick it is made in");
         m.flag("feeds_simulator", plan.feeds_simulator, {.doc = "the simulator reads its output"});
+        m.flag("collects_frames", plan.collects_frames,
+               {.doc = "it reads frames, and need not do so in the tick in which they are sent"});
         c.members.push_back(std::move(plan));
     });
     std::vector<config::Ref> holds;

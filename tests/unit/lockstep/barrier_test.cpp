@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/lockstep/barrier.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 
 namespace gridspace::lockstep {
@@ -83,12 +84,12 @@ TEST_F(BarrierTest, WhoHearsALateOneIsAwaitedInTheTickAfterItHasSent) {
     pair.open(1, false);
     EXPECT_FALSE(pair.anybody_awaited()); // nobody has sent anything
     pair.open(10, false);
-    (void)pair.on_ack(client, 10, 30, true);
+    (void)pair.on_ack(client, 10, 30, 1);
     (void)pair.on_ack(server, 10, 30);
     (void)pair.on_ack(tap, 10, 30);
     pair.open(11, false);
     EXPECT_EQ(missing(pair), (Names{"server", "tap"})); // and who hears the server in the same tick
-    (void)pair.on_ack(server, 11, 30, true);
+    (void)pair.on_ack(server, 11, 30, 1);
     (void)pair.on_ack(tap, 11, 30);
     pair.open(12, false);
     EXPECT_EQ(missing(pair), Names{"client"});
@@ -106,6 +107,37 @@ TEST_F(BarrierTest, NobodyLagsByMoreThanTheLimit) {
     }
     sut.open(16, false);
     EXPECT_EQ(missing(sut).size(), 4U);
+}
+
+TEST_F(BarrierTest, WhoCollectsFramesIsAwaitedBeforeThereAreTooManyInWhateverOrderAcknowledgementsCome) {
+    for (bool const sender_first : {true, false}) {
+        Barrier pair{{{.name = "idle", .triggered_by = {}},
+                      {.name = "recorder", .triggered_by = {}, .collects_frames = true},
+                      {.name = "sender", .triggered_by = {}}},
+                     16};
+        std::size_t const collector = pair.member_index("recorder"), sender = pair.member_index("sender");
+        std::vector<std::uint64_t> awaited;
+        for (std::uint64_t tick = 0; tick < 12; ++tick) {
+            pair.open(tick, tick == 0);
+            if (tick == 0) {
+                (void)pair.on_ack(pair.member_index("idle"), 0, 1000);
+            }
+            auto const missed = missing(pair);
+            bool const is_asked = std::find(missed.begin(), missed.end(), "recorder") != missed.end();
+            if (is_asked) {
+                awaited.push_back(tick);
+            }
+            if (is_asked && !sender_first) {
+                (void)pair.on_ack(collector, tick, 1000);
+            }
+            (void)pair.on_ack(sender, tick, tick + 1, Barrier::kMostFrames / 4);
+            if (is_asked && sender_first) {
+                (void)pair.on_ack(collector, tick, 1000);
+            }
+            EXPECT_TRUE(pair.complete()); // who collects nothing is not asked
+        }
+        EXPECT_EQ(awaited, (std::vector<std::uint64_t>{0, 5, 10})) << sender_first;
+    }
 }
 
 TEST_F(BarrierTest, ADroppedMemberIsNotAwaitedAndARejoinedOneIs) {
