@@ -86,6 +86,7 @@ struct Gathering {
     std::size_t used{0};
     std::vector<rtps::Locator_t> locators; // of the message at hand
     std::map<std::pair<rtps::SenderResource*, Destination>, Held> by_destination;
+    bool is_spread{false}; ///< there is something in it
 };
 
 thread_local Gathering t_gathering;
@@ -117,18 +118,31 @@ void add_for_destinations(Held const& held, Clock::time_point const& timeout) {
     }
 }
 
+Clock::time_point soon() {
+    return Clock::now() + std::chrono::milliseconds{100};
+}
+
+/// What is held goes to its destinations' messages, of which those leave that are full.
+void spread() {
+    Gathering& g = t_gathering;
+    auto const timeout = soon();
+    for (Held& held : std::span{g.held}.first(std::exchange(g.used, 0))) {
+        add_for_destinations(held, timeout);
+        held.message.clear();
+    }
+    g.is_spread = true;
+}
+
 void flush() {
     Gathering& g = t_gathering;
-    auto const timeout = Clock::now() + std::chrono::milliseconds{100};
-    std::span const held = std::span{g.held}.first(std::exchange(g.used, 0));
-    if (held.size() == 1) {
-        send_held(held.front(), timeout);
+    if (g.used == 1 && !g.is_spread) { // all to the same destinations, as in most ticks
+        g.used = 0;
+        send_held(g.held.front(), soon());
         return;
     }
-    for (Held& message : held) {
-        add_for_destinations(message, timeout);
-        message.message.clear();
-    }
+    spread();
+    g.is_spread = false;
+    auto const timeout = soon();
     for (auto& [destination, to] : g.by_destination) {
         if (!to.message.empty()) {
             send_held(to, timeout);
@@ -173,7 +187,7 @@ class CorkedTransport final : public fdds::ChainingTransport {
                 held.message.add(parts);
                 return true;
             }
-            flush();
+            spread();
             break;
         }
         if (g.used == g.held.size()) {
