@@ -61,6 +61,17 @@ class Recording(ScenarioTest):
         self.assertEqual(float(rows[-1][voltage]), last["v_pu"])
         self.assertEqual(rows[-1]["bus"], last["bus"])
 
+    def test_the_recorder_is_asked_for_a_tick_now_and_then_although_it_captures_every_frame(self):
+        scenario = SOURCE / "configs/scenarios/protection_lockstep.yaml"
+        run = self.run_to_end("frames", ["--until", "0.2s", "--set", "expect=~", "--set", "processes.monitor=~"], scenario=scenario)
+        self.assert_recording_readable(run)
+        with (run.folder / "csv/simulation_clock.csv").open() as table:
+            awaited = [int(row["awaited_0"]) for row in csv.DictReader(table)]
+        members = ["breaker2", "mu21", "mu22", "recorder", "relay2"]  # bits are in the order of names
+        asked = {name: sum(bits >> i & 1 for bits in awaited) for i, name in enumerate(members)}
+        self.assertEqual(asked["mu21"], len(awaited))
+        self.assertLessEqual(asked["recorder"], len(awaited) // 16 + 2)
+
     def test_the_judge_finds_damage(self):
         """The negative control: what is cut or changed does not pass."""
         run = self.run_to_end("run", [*BASE, "--until", "1h", "--set", "expect=~"])
