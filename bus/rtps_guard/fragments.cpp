@@ -123,6 +123,20 @@ Fragments::Samples Fragments::take(GuidPrefix const& sender, GuidPrefix const& s
     return out;
 }
 
+void Fragments::put_data(Bytes& message, Sample const& whole) {
+    message.push_back(kData);
+    message.push_back(static_cast<std::uint8_t>((whole.little ? 1U : 0U) | (whole.qos.empty() ? 0U : 2U) | 4U));
+    put(message, 0, 2, true); // as long as the message: a sample may have more octets than this can count
+    put(message, 0, 2, true);
+    put(message, 16, 2, whole.little); // to the inline QoS
+    put(message, whole.name.reader, 4, false);
+    put(message, whole.name.writer, 4, false);
+    put(message, static_cast<std::uint32_t>(whole.name.sequence >> 32U), 4, whole.little);
+    put(message, static_cast<std::uint32_t>(whole.name.sequence), 4, whole.little);
+    put(message, whole.qos);
+    put(message, whole.octets);
+}
+
 std::vector<Bytes> Fragments::take(std::span<std::uint8_t> datagram, std::int64_t now_ns) {
     Bytes const header{datagram.begin(), datagram.begin() + kHeader};
     Octets prefix{datagram};
@@ -155,18 +169,7 @@ std::vector<Bytes> Fragments::take(std::span<std::uint8_t> datagram, std::int64_
             for (Sample const& whole : take(sender, source, s.flags, s.body, now_ns)) {
                 end_between();
                 Bytes message = begun();
-                message.push_back(kData);
-                message.push_back(
-                    static_cast<std::uint8_t>((whole.little ? 1U : 0U) | (whole.qos.empty() ? 0U : 2U) | 4U));
-                put(message, 0, 2, true); // as long as the message: a sample may have more octets than this can count
-                put(message, 0, 2, true);
-                put(message, 16, 2, whole.little); // to the inline QoS
-                put(message, whole.name.reader, 4, false);
-                put(message, whole.name.writer, 4, false);
-                put(message, static_cast<std::uint32_t>(whole.name.sequence >> 32U), 4, whole.little);
-                put(message, static_cast<std::uint32_t>(whole.name.sequence), 4, whole.little);
-                put(message, whole.qos);
-                put(message, whole.octets);
+                put_data(message, whole);
                 out.push_back(std::move(message));
             }
             continue;

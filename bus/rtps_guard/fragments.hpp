@@ -57,6 +57,8 @@ class Fragments {
     /// Adds what a DATA_FRAG brings; its sample when that is whole, which is then not kept any longer.
     Samples take(GuidPrefix const& sender, GuidPrefix const& source, std::uint8_t flags, Octets body,
                  std::int64_t now_ns);
+    /// Its sample as a DATA submessage, the last one of a message.
+    static void put_data(std::vector<std::uint8_t>& message, Sample const& whole);
     void make_room(GuidPrefix const& sender, std::size_t octets);
     void forget_silent(std::int64_t now_ns);
     void forget(Samples::iterator sample);

@@ -73,6 +73,18 @@ void print(Training const& t, ids::Model const& model, bool as_json) {
     }
 }
 
+/// On recordings that it was not trained with.
+std::optional<double> rms_on_unseen(ids::Model const& model, ids::TrainingConfig const& config,
+                                    ids::WindowParams window, std::uint64_t seed) {
+    auto const unseen = all_recordings(config, seed, true);
+    if (!unseen) {
+        fmt::print(stderr, "note: {}\n", unseen.error().message);
+        return std::nullopt;
+    }
+    window.count = std::min<std::size_t>(window.count, 50'000);
+    return rms_error(model, draw_windows(*unseen, window, seed + 1));
+}
+
 int ids_train(IdsTrainArguments const& arguments) {
     config::Diagnostics diagnostics;
     auto config = ids::load_training_config(arguments.config, diagnostics);
@@ -114,14 +126,7 @@ int ids_train(IdsTrainArguments const& arguments) {
     if (!model) {
         return print_error(model.error());
     }
-    ids::WindowParams fresh = window;
-    fresh.count = std::min<std::size_t>(window.count, 50'000);
-    auto const unseen = all_recordings(*config, seed, true);
-    if (!unseen) {
-        fmt::print(stderr, "note: {}\n", unseen.error().message);
-    }
-    auto const unseen_rms =
-        unseen ? std::optional{rms_error(*model, draw_windows(*unseen, fresh, seed + 1))} : std::nullopt;
+    auto const unseen_rms = rms_on_unseen(*model, *config, window, seed);
     model->provenance = {{"trained_by", std::string{"gridspace "} + std::string{gridspace::version().version}},
                          {"configuration", arguments.config.filename().string()},
                          {"seed", std::to_string(seed)},
