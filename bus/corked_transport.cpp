@@ -27,8 +27,8 @@ namespace fdds = eprosima::fastdds::rtps;
 namespace rtps = eprosima::fastrtps::rtps;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxMessage = 1472;       // one Ethernet frame: no IP fragments
-constexpr std::size_t kMaxLocalMessage = 32768; // the loopback interface takes 64 KiB in one piece
+constexpr std::size_t kMaxMessage = 1472;      // one Ethernet frame: no IP fragments
+constexpr std::size_t kMaxLocalMessage = 8192; // loopback takes 64 KiB in one piece; not every DDS reads as much
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wnon-virtual-dtor" // the base class is the library's, and nobody deletes through it

@@ -6,7 +6,10 @@
 #include "tests/integration/veth/veth.hpp"
 
 #include <atomic>
+#include <map>
+#include <mutex>
 #include <thread>
+#include <vector>
 
 namespace gridspace::bus {
 namespace {
@@ -47,6 +50,48 @@ TEST_F(Cork, WhatLeavesTogetherOutlivesItsWriterAndGoesBeforeTheFarewell) {
     }
     sut.reset();
     EXPECT_TRUE(wait_until([&] { return heard == 1 && clean; }));
+}
+
+TEST_F(Cork, EachDestinationHearsAllOfItsTopicsInTheirOrderAlsoOfMoreThanADatagramTakes) {
+    constexpr std::size_t kSamples = 40, kOctets = 600; // 24 kB of each topic
+    auto const both = join("both"), one = join("one"), sut = join("sut");
+    ASSERT_TRUE(both && one && sut);
+    std::mutex mutex;
+    std::map<std::string, std::vector<int>> heard;
+    auto const listen = [&](Participant& participant, std::string const& topic, std::string const& as) {
+        return participant.create_reader(topic, {.type_name = "X"}, [&, as](auto cdr, SampleHeader const&) {
+            std::lock_guard const lock{mutex};
+            heard[as].push_back(std::to_integer<int>(cdr[4])); // behind the encapsulation
+        });
+    };
+    auto const x_of_both = listen(*both, "x", "x of both"), y_of_both = listen(*both, "y", "y of both"),
+               x_of_one = listen(*one, "x", "x of one");
+    auto const x = sut->create_writer("x", {.type_name = "X"}), y = sut->create_writer("y", {.type_name = "X"});
+    ASSERT_TRUE(x_of_both && y_of_both && x_of_one && x && y);
+    ASSERT_TRUE(wait_until([&] {
+        return (*x)->matched().size() == 2 && (*y)->matched().size() == 1 && !(*x_of_both)->matched().empty() &&
+               !(*y_of_both)->matched().empty() && !(*x_of_one)->matched().empty();
+    }));
+    std::vector<int> all;
+    {
+        SendTogether const together;
+        for (std::size_t i = 0; i < kSamples; ++i) {
+            std::vector<std::byte> sample(kOctets);
+            sample[4] = static_cast<std::byte>(i);
+            all.push_back(static_cast<int>(i));
+            ASSERT_TRUE((*x)->write_cdr(sample, std::nullopt));
+            ASSERT_TRUE((*y)->write_cdr(sample, std::nullopt));
+        }
+    }
+    EXPECT_TRUE(wait_until([&] {
+        std::lock_guard const lock{mutex};
+        return heard["x of both"].size() == kSamples && heard["y of both"].size() == kSamples &&
+               heard["x of one"].size() == kSamples;
+    }));
+    std::lock_guard const lock{mutex};
+    EXPECT_EQ(heard["x of both"], all);
+    EXPECT_EQ(heard["y of both"], all);
+    EXPECT_EQ(heard["x of one"], all);
 }
 
 } // namespace
