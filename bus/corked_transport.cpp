@@ -18,6 +18,7 @@
 #include <map>
 #include <mutex>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 namespace gridspace::bus {
@@ -76,6 +77,7 @@ struct Held {
     rtps::SenderResource* resource{nullptr};
     std::vector<rtps::Locator_t> locators;
     OwnAddresses const* own{nullptr}; ///< of the participant
+    std::size_t longest{0};           ///< octets that all of `locators` take
     GatheredMessage message;
 };
 
@@ -109,11 +111,12 @@ void add_for_destinations(Held const& held, Clock::time_point const& timeout) {
     for (rtps::Locator_t const& locator : held.locators) {
         Destination const destination = destination_of(locator);
         Held& to = t_gathering.by_destination[{held.resource, destination}];
-        if (!to.message.empty() && !to.message.takes(parts, longest_to(destination, *held.own))) {
+        if (to.locators.empty()) {
+            to = {held.resource, {locator}, nullptr, longest_to(destination, *held.own), {}};
+        }
+        if (!to.message.empty() && !to.message.takes(parts, to.longest)) {
             send_held(to, timeout);
         }
-        to.resource = held.resource;
-        to.locators.assign(1, locator);
         to.message.add(parts);
     }
 }
@@ -122,11 +125,20 @@ Clock::time_point soon() {
     return Clock::now() + std::chrono::milliseconds{100};
 }
 
-/// What is held goes to its destinations' messages, of which those leave that are full.
+/// What is held goes to its destinations' messages, of which those leave that are full. If all of it has the same
+/// destinations, as in most ticks, it leaves as it is.
 void spread() {
     Gathering& g = t_gathering;
+    std::span const all = std::span{g.held}.first(std::exchange(g.used, 0));
+    if (all.empty()) {
+        return;
+    }
     auto const timeout = soon();
-    for (Held& held : std::span{g.held}.first(std::exchange(g.used, 0))) {
+    if (all.size() == 1 && !g.is_spread) {
+        send_held(all.front(), timeout);
+        return;
+    }
+    for (Held& held : all) {
         add_for_destinations(held, timeout);
         held.message.clear();
     }
@@ -135,13 +147,10 @@ void spread() {
 
 void flush() {
     Gathering& g = t_gathering;
-    if (g.used == 1 && !g.is_spread) { // all to the same destinations, as in most ticks
-        g.used = 0;
-        send_held(g.held.front(), soon());
+    spread();
+    if (!std::exchange(g.is_spread, false)) {
         return;
     }
-    spread();
-    g.is_spread = false;
     auto const timeout = soon();
     for (auto& [destination, to] : g.by_destination) {
         if (!to.message.empty()) {
@@ -183,7 +192,7 @@ class CorkedTransport final : public fdds::ChainingTransport {
             if (held.resource != resource || held.locators != g.locators) {
                 continue;
             }
-            if (held.message.takes(parts, longest_to_all(g.locators))) {
+            if (held.message.takes(parts, held.longest)) {
                 held.message.add(parts);
                 return true;
             }
@@ -197,6 +206,7 @@ class CorkedTransport final : public fdds::ChainingTransport {
         held.resource = resource;
         held.locators = g.locators;
         held.own = &own_addresses_;
+        held.longest = longest_to_all(g.locators);
         held.message.add(parts);
         return true;
     }
