@@ -65,6 +65,9 @@ Result<void> ClockServer::start() {
             s.inputs.push_back(s.core.book->process_index(member.name));
         }
     }
+    if (s.core.board != nullptr) {
+        s.find_places();
+    }
     Rational const quantum = s.core.config.clock.quantum_s;
     s.clock.quantum_num(static_cast<std::uint32_t>(quantum.num()));
     s.clock.quantum_den(static_cast<std::uint32_t>(quantum.den()));

@@ -113,29 +113,36 @@ void ClockServer::State::hold(std::string const& process) {
     core.fill_ledger(clock.ledger());
 }
 
-bool ClockServer::State::post_clock(SimTime time) {
-    Board& board = *core.board;
-    std::int32_t awaited = 0;
+void ClockServer::State::find_places() {
+    on_board.clear();
     for (MemberPlan const& member : plan) {
-        bool const is_awaited = lockstep::bit_of(clock.awaited(), barrier.member_index(member.name));
-        std::int32_t things = INT32_MIN / 2; // of who is not asked, nothing is the last
-        if (is_awaited) {
-            ++awaited;
-            things = 1; // the clock itself
-            for (std::string const& up : member.upstream) {
-                if (std::find(member.late.begin(), member.late.end(), up) != member.late.end()) {
-                    continue;
-                }
-                things += lockstep::bit_of(clock.awaited(), barrier.member_index(up)) ? 1 : 0;
+        OnBoard on{core.board->place_of(member.name), barrier.member_index(member.name), {}};
+        for (std::string const& up : member.upstream) {
+            if (std::find(member.late.begin(), member.late.end(), up) == member.late.end()) {
+                on.upstream.push_back(barrier.member_index(up));
             }
         }
-        board.expect(board.place_of(member.name), things);
+        on_board.push_back(std::move(on));
+    }
+}
+
+bool ClockServer::State::post_clock(SimTime time) {
+    Board& board = *core.board;
+    auto const is_awaited = [this](std::size_t member) { return lockstep::bit_of(clock.awaited(), member); };
+    std::int32_t awaited = 0;
+    for (OnBoard const& on : on_board) {
+        std::int32_t things = INT32_MIN / 2; // of who is not asked, nothing is the last
+        if (is_awaited(on.member)) {
+            ++awaited;
+            things = 1 + static_cast<std::int32_t>(std::ranges::count_if(on.upstream, is_awaited)); // 1: the clock
+        }
+        board.expect(on.place, things);
     }
     board.expect(board.self(), awaited);
     bool const posted = core.post(clock, core.source_ns(time), clock.tick());
-    for (MemberPlan const& member : plan) {
-        if (lockstep::bit_of(clock.awaited(), barrier.member_index(member.name))) {
-            board.ring(board.place_of(member.name));
+    for (OnBoard const& on : on_board) {
+        if (is_awaited(on.member)) {
+            board.ring(on.place);
         }
     }
     return posted;

@@ -34,6 +34,12 @@ struct ClockServer::State {
     std::set<std::string> dropped;                     // the run goes on without them
     std::vector<std::size_t> inputs;                   // processes that feed the simulator, as indices of the book
 
+    struct OnBoard {                       ///< a member of the plan; indices, because they are needed in every tick
+        std::size_t place, member;         ///< of the board and of the barrier
+        std::vector<std::size_t> upstream; ///< of the barrier: whom it waits for within the tick
+    };
+    std::vector<OnBoard> on_board; ///< in the plan's order
+
     static std::vector<lockstep::Barrier::Member> barrier_members(std::vector<MemberPlan> const& plan) {
         std::vector<lockstep::Barrier::Member> members;
         for (MemberPlan const& member : plan) {
@@ -64,6 +70,9 @@ struct ClockServer::State {
 
     /// The clock sample with the start of the counts for a new incarnation of `process`. Under the mutex.
     void hold(std::string const& process);
+
+    /// Fills `on_board`.
+    void find_places();
 
     /// The clock on the board, where each awaited member is woken by the last thing that it waits for.
     [[nodiscard]] bool post_clock(SimTime time);

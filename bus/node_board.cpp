@@ -39,17 +39,16 @@ Result<void> Node::Core::join_board() {
         }
         board_rung.push_back(board->place_of(name));
     }
-    std::size_t const simulator = board->place_of(config.clock.simulator);
+    board_simulator = board->place_of(config.clock.simulator);
     if (!is_simulator()) {
-        board_heard.push_back(simulator);
-        board_rung.push_back(simulator);
+        board_heard.push_back(board_simulator);
+        board_rung.push_back(board_simulator);
     }
     return {};
 }
 
 bool Node::Core::take_board() {
     static thread_local ClockAck received; // keeps its capacity
-    std::size_t const simulator = board->place_of(config.clock.simulator);
     bool any = false;
     for (std::size_t const place : board_heard) {
         bool const kept = board->read(place, [&](Board::Message const& message) {
@@ -58,7 +57,7 @@ bool Node::Core::take_board() {
             header.sequence = message.number;
             header.source_ns = message.time_ns;
             std::lock_guard const lock{mutex};
-            if (place == simulator) {
+            if (place == board_simulator) {
                 if (codec_of<SimClock>().decode(message.octets, &clock)) {
                     take_clock(message.octets, header);
                 }

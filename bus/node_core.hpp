@@ -117,6 +117,7 @@ struct Node::Core {
     std::atomic<std::thread::id> worker{};            ///< the process's own thread
     std::optional<SendTogether> together;             ///< from the beginning of a tick to its acknowledgement
     std::vector<std::size_t> board_heard, board_rung; ///< places that this process reads, and whose bells it rings
+    std::size_t board_simulator{0};                   ///< the simulator's place
     std::chrono::steady_clock::time_point shown_at;   ///< when DDS last got what the board has
     Result<void> join_board();
     void open_books();                         ///< who and what is counted: processes, topics, channels of frames

@@ -74,19 +74,19 @@ void Receiving::let_go() const {
 
 void Receiving::look(std::chrono::nanoseconds longest) {
     std::array<epoll_event, 16> events{};
-    auto ms = std::max<std::int64_t>(0, std::chrono::floor<std::chrono::milliseconds>(longest).count());
-    if (ms == 0 && longest.count() > 0) { // epoll_wait counts in milliseconds
-        int const ready = ::epoll_wait(epoll_.get(), events.data(), 1, 0);
+    auto const ready = [&](int ms) {
+        return ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), ms);
+    };
+    auto const ms = std::max<std::int64_t>(0, std::chrono::floor<std::chrono::milliseconds>(longest).count());
+    int count = ready(static_cast<int>(ms));
+    if (count <= 0 && ms == 0 && longest.count() > 0) { // epoll_wait counts in milliseconds
         timespec const span{0, static_cast<long>(longest.count())};
         pollfd entry{epoll_.get(), POLLIN, 0};
-        if (ready <= 0 && ::ppoll(&entry, 1, &span, nullptr) <= 0) {
-            return;
-        }
+        count = ::ppoll(&entry, 1, &span, nullptr) > 0 ? ready(0) : 0;
     }
     constexpr int kRounds = 16; // of who does not wait, but takes what there is
-    int count = 1;
-    for (int round = 0; count > 0 && round < (longest.count() == 0 ? kRounds : 1); ++round) {
-        count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), static_cast<int>(ms));
+    int const rounds = longest.count() == 0 ? kRounds : 1;
+    for (int round = 1; count > 0; ++round) {
         for (int i = 0; i < count; ++i) {
             auto* const source = static_cast<Source*>(events[static_cast<std::size_t>(i)].data.ptr);
             if (source != nullptr) {
@@ -96,6 +96,7 @@ void Receiving::look(std::chrono::nanoseconds longest) {
             std::uint64_t rings = 0;
             (void)!::read(bell_.get(), &rings, sizeof rings);
         }
+        count = round < rounds ? ready(0) : 0;
     }
 }
 

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
 #include <sched.h>
@@ -86,6 +87,19 @@ std::string lock_memory() {
     // On fault: the stacks of a dozen threads are mostly never touched.
     return ::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0 ? ""
                                                                    : fmt::format("mlockall: {}", std::strerror(errno));
+}
+
+Result<UniqueFd> keep_processors_awake() {
+    std::string governor;
+    std::ifstream{"/sys/devices/system/cpu/cpuidle/current_governor"} >> governor;
+    // A guest's only sleep is its way to the host, and 0 alone keeps it here. Elsewhere the lightest sleep (C1) may be.
+    std::int32_t const latency_us = governor == "haltpoll" ? 0 : 2;
+    UniqueFd device{::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC)};
+    if (!device || ::write(device.get(), &latency_us, sizeof latency_us) != sizeof latency_us) {
+        return fail(ExitCode::environment, fmt::format("/dev/cpu_dma_latency: {}", std::strerror(errno)),
+                    "as root, or with permission to write to it");
+    }
+    return device;
 }
 
 } // namespace gridspace

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/result.hpp"
+#include "common/unique_fd.hpp"
+
 #include <string>
 
 namespace gridspace {
@@ -24,5 +27,10 @@ void step_below_the_others() noexcept;
 /// an unlimited RLIMIT_MEMLOCK, or with CAP_IPC_LOCK of the machine itself. Elsewhere mlockall would succeed now, and
 /// an allocation fail in the middle of a run. Returns why not; empty when it is locked.
 [[nodiscard]] std::string lock_memory();
+
+/// While what this returns is open, idle processors do not go to sleep, as cyclictest(8) has it: to wake one up takes
+/// up to 0.1 ms by its C-states, and in a virtual machine the way to the host and back. It is a request to the kernel
+/// for a wake-up latency (PM QoS, /dev/cpu_dma_latency), for all processors of the machine.
+[[nodiscard]] Result<UniqueFd> keep_processors_awake();
 
 } // namespace gridspace

@@ -94,6 +94,12 @@ Finding try_real_time() {
                   "/etc/security/limits.conf"};
 }
 
+Finding try_awake_processors() {
+    auto const kept = keep_processors_awake();
+    return {kept ? Level::ok : Level::note, "idle processors", kept ? "stay awake during a run" : kept.error().message,
+            kept ? "" : kept.error().remedy + ", runs are more punctual, and faster"};
+}
+
 Finding check_locked_memory() {
     rlimit limit{};
     ::getrlimit(RLIMIT_MEMLOCK, &limit);
@@ -200,6 +206,7 @@ int doctor(bool json) {
                                         try_virtual_network(),
                                         try_simulated_time(),
                                         try_real_time(),
+                                        try_awake_processors(),
                                         check_locked_memory(),
                                         check_buffers(),
                                         check_backlog(),

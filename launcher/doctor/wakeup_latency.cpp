@@ -54,7 +54,7 @@ int stay_on_one() {
 }
 
 /// What the way asks for; why it cannot be had, or empty.
-std::string prepare(Waiting waiting, Shared& shared) {
+std::string prepare(Waiting waiting, Shared& shared, UniqueFd& awake) {
     if (waiting >= Waiting::fifo && !schedule_fifo(kPriority)) {
         return "SCHED_FIFO is not permitted: `rtprio` in /etc/security/limits.conf";
     }
@@ -68,6 +68,13 @@ std::string prepare(Waiting waiting, Shared& shared) {
         if (shared.processor < 0) {
             return fmt::format("no processor to stay on: {}", std::strerror(errno));
         }
+    }
+    if (waiting == Waiting::awake) { // who polls does not sleep anyway
+        auto kept = keep_processors_awake();
+        if (!kept) {
+            return kept.error().message;
+        }
+        awake = std::move(*kept);
     }
     return {};
 }
@@ -116,7 +123,8 @@ Result<WakeupLatency> measure_wakeups(Waiting waiting, std::chrono::nanoseconds 
     shared.late_us = reinterpret_cast<double*>(&shared + 1);
     pid_t const child = ::fork();
     if (child == 0) {
-        std::string const why = prepare(waiting, shared);
+        UniqueFd awake;
+        std::string const why = prepare(waiting, shared, awake);
         std::strncpy(shared.refused, why.c_str(), sizeof shared.refused - 1);
         if (why.empty()) {
             measure(waiting, period.count(), {shared.late_us, count});

@@ -18,6 +18,7 @@ enum class Waiting {
     fifo,     ///< under SCHED_FIFO
     locked,   ///< and its memory is locked
     one_core, ///< and it stays on one processor: an isolated one where the machine has any
+    awake,    ///< and no processor goes to sleep
     polling,  ///< and it reads the clock until the instant has come, instead of sleeping
 };
 /// With its names: in JSON, and for people as a row below the others.
@@ -25,11 +26,10 @@ struct WayToWait {
     Waiting waiting;
     char const *key, *name;
 };
-inline constexpr WayToWait kWaysToWait[] = {{Waiting::sleeping, "sleeping", "sleeping"},
-                                            {Waiting::fifo, "fifo", "SCHED_FIFO"},
-                                            {Waiting::locked, "locked", "+ memory locked"},
-                                            {Waiting::one_core, "one_core", "+ one processor"},
-                                            {Waiting::polling, "polling", "+ busy polling"}};
+inline constexpr WayToWait kWaysToWait[] = {
+    {Waiting::sleeping, "sleeping", "sleeping"},     {Waiting::fifo, "fifo", "SCHED_FIFO"},
+    {Waiting::locked, "locked", "+ memory locked"},  {Waiting::one_core, "one_core", "+ one processor"},
+    {Waiting::awake, "awake", "+ processors awake"}, {Waiting::polling, "polling", "+ busy polling"}};
 
 /// How late a process woke up for instants that follow each other at a fixed period, as cyclictest(8) measures it:
 /// microseconds, ascending.

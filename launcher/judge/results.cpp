@@ -38,6 +38,7 @@ void read_manifest(fs::path const& folder, Results& out) {
     out.scenario = value_of(m, "scenario", none);
     out.description = value_of(m, "description", none);
     out.scheduling = value_of(m, "scheduling", none);
+    out.idle_processors = value_of(m, "idle_processors", none);
     out.duration_s = value_of(m, "duration_s", 0.0);
     out.mode = value_of(part_of(m, "clock"), "mode", none);
     out.epoch_unix_s = parse_utc(value_of(part_of(m, "clock"), "epoch", none)).value_or(0);

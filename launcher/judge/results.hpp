@@ -55,6 +55,7 @@ struct Results {
     IntrusionScore intrusion;                      ///< of detectors and attacks, where there were some
     std::optional<Consequences> consequences;      ///< of attacks
     std::string scheduling;                        ///< of the processes, in real time
+    std::string idle_processors;                   ///< "awake", or why they may sleep
     std::optional<MachineLatency> machine_latency; ///< as the user has measured it, in real time
     std::vector<std::string> comtrade;             ///< disturbance records in RUN/comtrade
     std::vector<std::string> notes;                ///< what the user should know

@@ -97,7 +97,8 @@ std::string facts(Results const& r) {
         {"simulated", human_duration(r.outcome.simulated_s)},
         {"wall time", fmt::format("{} (×{:.4g})", human_duration(r.outcome.wall_s), speed)},
         {"late ticks (overruns)", r.mode == "lockstep" ? "" : std::to_string(r.outcome.overruns)},
-        {"scheduling", r.scheduling.empty() ? "" : r.scheduling.substr(0, r.scheduling.find(':'))},
+        {"scheduling", r.scheduling.substr(0, r.scheduling.find(':'))},
+        {"idle processors", r.idle_processors.substr(0, r.idle_processors.find(':'))},
         {"epoch", format_utc(r.epoch_unix_s)},
     };
     std::string out = "<dl class=\"facts\">";

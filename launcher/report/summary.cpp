@@ -110,6 +110,7 @@ std::string summary_json(Results const& r) {
                  {"overruns", r.outcome.overruns},
                  {"ticks", r.outcome.ticks ? to_json(*r.outcome.ticks) : Json(nullptr)},
                  {"scheduling", r.scheduling},
+                 {"idle_processors", r.idle_processors},
                  {"notes", r.notes},
                  {"expectations", expectations},
                  {"processes", processes},

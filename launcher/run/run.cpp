@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run.hpp"
 
+#include "common/realtime.hpp"
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
 #include "launcher/folder/event_log.hpp"
@@ -128,6 +129,20 @@ void note_scheduling(RunPlan const& plan, Progress& progress) {
     if (plan.scheduling.starts_with("SCHED_OTHER:")) {
         progress.note("note: " + plan.scheduling);
     }
+}
+
+/// Whether processors may go to sleep between two ticks.
+struct Awake {
+    UniqueFd until_the_end; ///< none when they may
+    std::string text;       ///< of the manifest and the report
+};
+Awake keep_awake(Scenario const& scenario) {
+    bool const is_hurried = scenario.clock.mode == bus::ClockMode::realtime || scenario.clock.speed == 0;
+    if (!is_hurried || !scenario.clock.awake) {
+        return {{}, is_hurried ? "may sleep, as the scenario asks" : "may sleep"};
+    }
+    auto kept = keep_processors_awake();
+    return kept ? Awake{std::move(*kept), "awake"} : Awake{{}, "may sleep: " + kept.error().message};
 }
 
 void hand_over_outer_network(int outer_network, RunPlan& plan) {
@@ -270,8 +285,9 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
             return std::unexpected{ok.error()};
         }
     }
-    PlanOptions const plan_options{*folder,           options.namespaces,    0,
-                                   options.log_level, options.allow_control, std::move(*boards)};
+    Awake const awake = keep_awake(scenario);
+    PlanOptions const plan_options{
+        *folder, options.namespaces, 0, options.log_level, options.allow_control, std::move(*boards), awake.text};
     RunPlan plan = make_settled_plan(scenario, plan_options);
     note_scheduling(plan, progress);
     auto const outer = open_outer_network(plan, has_boards(scenario));

@@ -171,6 +171,7 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
                           ? (root ? "network, mount and PID namespaces" : "user, network, mount and PID namespaces")
                           : "none: loopback interface, own DDS domains"},
         {"scheduling", plan.scheduling},
+        {"idle_processors", plan.processors},
         {"host", host_of(root)},
     };
     if (scenario.clock.mode == bus::ClockMode::realtime) {

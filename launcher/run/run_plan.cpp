@@ -267,6 +267,7 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
     plan.scenario = scenario.name;
     plan.folder = options.folder;
     plan.namespaces = options.namespaces;
+    plan.processors = options.processors;
     plan.links = scenario.links;
     plan.ports = plan_ports(scenario);
     for (Process const& process : scenario.processes) {

@@ -70,6 +70,7 @@ struct RunPlan {
     bool allow_control{false};   ///< pause, continue, step and stop through the monitor
     double start_timeout_s{30}, member_timeout_s{10};
     std::string scheduling; ///< in real time: what the processes run under, and why; for the manifest and the report
+    std::string processors; ///< "awake", or why they may sleep; for the same
 };
 
 struct PlanOptions {
@@ -79,6 +80,7 @@ struct PlanOptions {
     std::string log_level{"info"};
     bool allow_control{false}; ///< the monitor is given the token that RUN/control.token holds
     BoardBundles boards{};     ///< what prepare_boards() made of the boards
+    std::string processors{};  ///< as in RunPlan
 };
 
 /// Real time: takes SCHED_FIFO from all processes where the system does not permit it, and says so in `scheduling`.

@@ -73,7 +73,8 @@ struct ClockSettings {
     bool shared_memory{true}; ///< lockstep: for clock and acknowledgements, where all members are on this machine
     double member_timeout_s{10}, start_timeout_s{30};
     bool start_at_utc_second{false};
-    bool fifo{true}; ///< real time: SCHED_FIFO where it is permitted
+    bool fifo{true};  ///< real time: SCHED_FIFO where it is permitted
+    bool awake{true}; ///< real time, and lockstep at full speed: no processor goes to sleep, where that is permitted
 };
 
 struct RecordSettings {

@@ -55,6 +55,9 @@ void describe_clock(Fields& f, ClockSettings& c) {
     f.choice<bool>(
         "scheduling", c.fifo, {{"fifo", true}, {"normal", false}},
         {.doc = "realtime: processes of the chain under SCHED_FIFO where that is permitted, or as all others"});
+    f.choice<bool>("processors", c.awake, {{"awake", true}, {"sleep", false}},
+                   {.doc = "realtime, and lockstep at full speed: idle processors of the machine stay awake where that "
+                           "is permitted, or go to sleep as usual"});
     std::string start_at;
     f.text("start_at", start_at,
            {.doc = "utc_second: in real time, simulated time 0 (and so smpCnt 0) is a whole second of UTC; up to a "

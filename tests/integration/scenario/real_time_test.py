@@ -38,6 +38,16 @@ class RealTime(harness.ScenarioTest):
         for name in set(priorities) - {"sim"}:
             self.assertGreater(priorities["sim"], priorities[name], name)
 
+    def test_idle_processors_stay_awake_where_that_is_permitted_and_the_scenario_does_not_refuse_it(self):
+        summary, page = self.run_short()
+        may = os.access("/dev/cpu_dma_latency", os.W_OK)
+        self.assertRegex(summary["idle_processors"], "^awake$" if may else "^may sleep: /dev/cpu_dma_latency: ")
+        self.assertIn("<dt>idle processors</dt>", page)
+        self.folder = self.folder / "refused"
+        self.folder.mkdir()
+        summary, _ = self.run_short("protection", "--set", "clock.processors=sleep")
+        self.assertEqual(summary["idle_processors"], "may sleep, as the scenario asks")
+
     def test_at_half_the_pace_a_tick_is_twice_as_long(self):
         summary, _ = self.run_short("protection", "--set", "clock.speed=0.5", "--set", "clock.start_at=~")
         self.assertAlmostEqual(summary["ticks"]["period_us"], 1666.667, places=3)

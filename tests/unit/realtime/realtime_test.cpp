@@ -3,6 +3,7 @@
 #include "common/pacer.hpp"
 #include "common/realtime.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sched.h>
 #include <sys/resource.h>
@@ -57,6 +58,26 @@ TEST(Realtime, MemoryIsLockedOnlyWhereThatCannotFailLater) {
                   bool const dropped = ::setresuid(65534, 65534, 65534) == 0; // nobody, where this is root
                   std::string const why = lock_memory();
                   return !dropped || why.find("RLIMIT_MEMLOCK is 1024 kB") != std::string::npos ? 0 : 1;
+              }),
+              0);
+}
+
+TEST(Realtime, ProcessorsStayAwakeWhereTheDeviceMayBeWritten) {
+    auto const kept = keep_processors_awake();
+    bool const permitted = ::access("/dev/cpu_dma_latency", W_OK) == 0;
+    ASSERT_EQ(kept.has_value(), permitted) << describe(kept.error());
+    if (permitted) { // it says what the strictest request is, and somebody else may have one too
+        UniqueFd const device{::open("/dev/cpu_dma_latency", O_RDONLY | O_CLOEXEC)};
+        std::int32_t latency_us = 1000;
+        ASSERT_EQ(::read(device.get(), &latency_us, sizeof latency_us), ssize_t{sizeof latency_us});
+        EXPECT_LE(latency_us, 2);
+    }
+    EXPECT_EQ(in_a_child([] {
+                  if (::geteuid() != 0 || ::setresuid(65534, 65534, 65534) != 0) {
+                      return 0;
+                  }
+                  auto const refused = keep_processors_awake(); // nobody may not, unless somebody has allowed it
+                  return refused || refused.error().message.starts_with("/dev/cpu_dma_latency: ") ? 0 : 1;
               }),
               0);
 }
