@@ -25,7 +25,7 @@ class Barrier {
         std::vector<std::string> late{};       ///< members whose output makes this one work in the next tick
         bool collects_frames{false};           ///< it leaves frames where they arrive until it works
     };
-    /// A quarter of what a port keeps (ethernet::PortOptions): those of the tick in which it works come on top.
+    /// A quarter of what a port keeps, which recorder/app/frame_capture.cpp checks.
     static constexpr std::uint64_t kMostFrames = 1024;
     Barrier(std::vector<Member> members, std::uint64_t max_lag);
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/app/frame_capture.hpp"
 
+#include "bus/lockstep/barrier.hpp"
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
 #include "gateways/ethernet/boxed_ip.hpp"
@@ -23,6 +24,9 @@ namespace {
 
 /// Real time: frames that wait for a disk which hangs, in octets. What comes on top is dropped and counted.
 constexpr std::size_t kMaxWaiting = 32U << 20U;
+
+// Frames of several ticks wait in a port, both ways of them, and those of the tick in which they are fetched.
+static_assert(4 * lockstep::Barrier::kMostFrames <= ethernet::PortOptions{}.ring_frames);
 
 /// A port and a way through it in one number, which a frame carries through its reader.
 std::uint32_t place_of(std::size_t port, bool outgoing) {
