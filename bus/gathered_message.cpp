@@ -8,30 +8,25 @@ namespace gridspace::bus {
 namespace {
 
 constexpr std::size_t kHeaderSize = 20; // "RTPS", version, vendor, GUID prefix
-constexpr std::uint8_t kHeartbeat = 0x07, kInfoTs = 0x09, kInfoDst = 0x0e;
-constexpr std::size_t kHeartbeatSize = 32; // without information on groups (clause 9.4.5.7)
+constexpr std::uint8_t kInfoTs = 0x09, kInfoDst = 0x0e;
 // A vendor's submessage that ends every datagram of Fast DDS. Its UDP transport fills it in by position: it looks for
 // this octet at a fixed distance from the end, so a message without it may have its payload overwritten. A merged
 // message therefore ends in exactly one.
 constexpr std::uint8_t kStatistics = 0x80;
 
-/// Of a submessage's body.
-std::size_t length_of(std::span<std::uint8_t const> submessage) {
-    bool const little = (submessage[1] & 1U) != 0;
-    return little ? submessage[2] | (submessage[3] << 8U) : submessage[3] | (submessage[2] << 8U);
-}
-
 } // namespace
 
 MessageParts parts_of(std::span<std::uint8_t const> message) {
     constexpr std::array<std::uint8_t, 9> kPlain{
-        0x06 /*ACKNACK*/, kHeartbeat,        0x08 /*GAP*/,        kInfoTs, kInfoDst,
-        0x15 /*DATA*/,    0x30 /*SEC_BODY*/, 0x31 /*SEC_PREFIX*/, 0x32 /*SEC_POSTFIX*/}; // these three stay together
+        0x06 /*ACKNACK*/, 0x07 /*HEARTBEAT*/, 0x08 /*GAP*/,        kInfoTs, kInfoDst,
+        0x15 /*DATA*/,    0x30 /*SEC_BODY*/,  0x31 /*SEC_PREFIX*/, 0x32 /*SEC_POSTFIX*/}; // these three stay together
     MessageParts parts;
     std::size_t at = kHeaderSize;
     while (at + 4 <= message.size()) {
         std::uint8_t const id = message[at];
-        std::size_t const length = length_of(message.subspan(at));
+        bool const little = (message[at + 1] & 1U) != 0;
+        std::size_t const length =
+            little ? message[at + 2] | (message[at + 3] << 8U) : message[at + 3] | (message[at + 2] << 8U);
         if (id == kStatistics && at + 4 + length == message.size()) {
             break;
         }
@@ -61,33 +56,6 @@ MessageParts parts_of(std::span<std::uint8_t const> message) {
     return parts;
 }
 
-/// `take` gets whose it is and where it begins.
-template <class Take>
-void GatheredMessage::for_each_heartbeat(std::span<std::uint8_t const> submessages, Take take) {
-    for (std::size_t at = 0; at < submessages.size();) {
-        auto const here = submessages.subspan(at);
-        std::size_t const size = 4 + length_of(here);
-        if (here[0] == kHeartbeat && size == kHeartbeatSize) {
-            HeartbeatOf of{here[1]};
-            std::ranges::copy(here.subspan(4, 8), of.begin() + 1);
-            take(of, at);
-        }
-        at += size;
-    }
-}
-
-void GatheredMessage::drop_heartbeat(HeartbeatOf const& of) {
-    auto const old = std::ranges::find(heartbeats_, of, &Heartbeat::of);
-    if (old == heartbeats_.end()) {
-        return;
-    }
-    auto const begin = octets_.begin() + static_cast<std::ptrdiff_t>(old->at);
-    octets_.erase(begin, begin + kHeartbeatSize);
-    for (auto later = heartbeats_.erase(old); later != heartbeats_.end(); ++later) {
-        later->at -= kHeartbeatSize;
-    }
-}
-
 bool GatheredMessage::takes(MessageParts const& parts, std::size_t longest) const {
     // An INFO_DST stays in force until the next one.
     return directed_ == parts.directed && destination_ == parts.destination &&
@@ -101,11 +69,7 @@ void GatheredMessage::add(MessageParts const& parts) {
         directed_ = parts.directed;
         destination_ = parts.destination;
     }
-    for_each_heartbeat(parts.submessages, [this](HeartbeatOf const& of, std::size_t) { drop_heartbeat(of); });
-    std::size_t const begin = octets_.size();
     octets_.insert(octets_.end(), parts.submessages.begin(), parts.submessages.end());
-    for_each_heartbeat(parts.submessages,
-                       [&](HeartbeatOf const& of, std::size_t at) { heartbeats_.push_back({of, begin + at}); });
     statistics_.assign(parts.statistics.begin(), parts.statistics.end());
 }
 
@@ -121,7 +85,6 @@ std::span<std::uint8_t const> GatheredMessage::finish() {
 
 void GatheredMessage::clear() {
     octets_.clear();
-    heartbeats_.clear();
 }
 
 } // namespace gridspace::bus

@@ -20,9 +20,8 @@ struct MessageParts {
 /// `message`: must outlive what is returned.
 [[nodiscard]] MessageParts parts_of(std::span<std::uint8_t const> message);
 
-/// Several messages of one sender to one destination, as one (DDSI-RTPS 2.2, clause 8.3.4). Of the heartbeats of one
-/// writer only the newest is kept: it says all that the ones before it said, and a writer whose history is full sends
-/// one with each sample. Its memory is kept for the next one.
+/// Several messages of one sender to one destination, as one (DDSI-RTPS 2.2, clause 8.3.4). Its memory is kept for the
+/// next one.
 class GatheredMessage {
   public:
     [[nodiscard]] bool empty() const { return octets_.empty(); }
@@ -36,17 +35,7 @@ class GatheredMessage {
     void clear();
 
   private:
-    using HeartbeatOf = std::array<std::uint8_t, 9>; ///< flags, reader and writer
-    struct Heartbeat {
-        HeartbeatOf of;
-        std::size_t at; ///< in `octets_`
-    };
-    template <class Take>
-    static void for_each_heartbeat(std::span<std::uint8_t const> submessages, Take take);
-    void drop_heartbeat(HeartbeatOf const& of);
-
     std::vector<std::uint8_t> octets_; ///< without `statistics_`
-    std::vector<Heartbeat> heartbeats_;
     std::vector<std::uint8_t> statistics_;
     bool directed_{false};
     std::array<std::uint8_t, 12> destination_{};

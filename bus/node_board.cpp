@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <thread>
 
@@ -50,22 +51,24 @@ Result<void> Node::Core::join_board() {
 bool Node::Core::take_board() {
     static thread_local ClockAck received; // keeps its capacity
     bool any = false;
-    for (std::size_t const place : board_heard) {
-        bool const kept = board->read(place, [&](Board::Message const& message) {
-            any = true;
-            SampleHeader header;
-            header.sequence = message.number;
-            header.source_ns = message.time_ns;
-            std::lock_guard const lock{mutex};
-            if (place == board_simulator) {
-                if (codec_of<SimClock>().decode(message.octets, &clock)) {
-                    take_clock(message.octets, header);
-                }
-            } else if (codec_of<ClockAck>().decode(message.octets, &received)) {
-                take_ack(message.octets, header, book->process_index(received.member().c_str()), received);
+    std::size_t place = 0;
+    auto const take = [&](Board::Message const& message) {
+        any = true;
+        SampleHeader header;
+        header.sequence = message.number;
+        header.source_ns = message.time_ns;
+        std::lock_guard const lock{mutex};
+        if (place == board_simulator) {
+            if (codec_of<SimClock>().decode(message.octets, &clock)) {
+                take_clock(message.octets, header);
             }
-        });
-        if (!kept) {
+        } else if (codec_of<ClockAck>().decode(message.octets, &received)) {
+            take_ack(message.octets, header, book->process_index(received.member().c_str()), received);
+        }
+    };
+    for (std::size_t const heard : board_heard) {
+        place = heard;
+        if (!board->read(place, std::ref(take))) { // by reference: no memory is asked for
             fail({ExitCode::stall, "more was said on the shared memory of the clock than it keeps",
                   "clock: {shared_memory: false} goes without"});
             return true;
@@ -118,7 +121,9 @@ void Node::Core::wait_for_more(Receiving::Turn& turn, std::unique_lock<std::mute
     board->wait(heard, std::min<std::chrono::nanoseconds>(longest, kLook));
     any = take_board();
     lock.lock();
-    if (!any) {
+    auto const now = std::chrono::steady_clock::now();
+    if (!any || now - looked_at >= kLook) { // of who is not asked, the sockets would fill up while others talk
+        looked_at = now;
         turn.wait(lock, changed, std::chrono::nanoseconds{0});
     }
 }

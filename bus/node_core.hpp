@@ -119,6 +119,7 @@ struct Node::Core {
     std::vector<std::size_t> board_heard, board_rung; ///< places that this process reads, and whose bells it rings
     std::size_t board_simulator{0};                   ///< the simulator's place
     std::chrono::steady_clock::time_point shown_at;   ///< when DDS last got what the board has
+    std::chrono::steady_clock::time_point looked_at;  ///< when the network was last looked at although the board spoke
     Result<void> join_board();
     void open_books();                         ///< who and what is counted: processes, topics, channels of frames
     [[nodiscard]] Result<void> open_clock();   ///< the clock's own endpoints, and what they are to be matched with

@@ -90,9 +90,15 @@ std::string lock_memory() {
 }
 
 Result<UniqueFd> keep_processors_awake() {
-    std::string governor;
+    std::string driver, governor;
+    std::ifstream{"/sys/devices/system/cpu/cpuidle/current_driver"} >> driver;
     std::ifstream{"/sys/devices/system/cpu/cpuidle/current_governor"} >> governor;
-    // A guest's only sleep is its way to the host, and 0 alone keeps it here. Elsewhere the lightest sleep (C1) may be.
+    if (driver == "none") {
+        return fail(ExitCode::environment, "the kernel has no driver for idle processors (cpuidle), and halts them",
+                    "in a guest, with the module cpuidle_haltpoll");
+    }
+    // haltpoll is for guests: their only sleep is the way to the host, and 0 alone keeps them from it. Elsewhere the
+    // lightest sleep (C1) may be.
     std::int32_t const latency_us = governor == "haltpoll" ? 0 : 2;
     UniqueFd device{::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC)};
     if (!device || ::write(device.get(), &latency_us, sizeof latency_us) != sizeof latency_us) {

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
+#include <fmt/format.h>
 #include <utility>
 
 namespace gridspace::command_line {
@@ -20,7 +21,13 @@ Check in_range(int least, int most) {
     return Check{std::make_shared<CLI::Range>(least, most)};
 }
 Check in_range(double least, double most) {
-    return Check{std::make_shared<CLI::Range>(least, most)};
+    return Check{std::make_shared<CLI::Validator>( // CLI::Range takes nan
+        [least, most](std::string& text) {
+            double value = 0;
+            bool const good = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+            return good ? std::string{} : fmt::format("Value {} not in range [{:g} - {:g}]", text, least, most);
+        },
+        fmt::format("FLOAT in [{:g} - {:g}]", least, most))};
 }
 Check one_of(std::vector<std::string> const& words) {
     return Check{std::make_shared<CLI::IsMember>(words)};

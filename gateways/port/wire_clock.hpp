@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <ctime>
+#include <limits>
 #include <optional>
 
 namespace gridspace::gateways {
@@ -89,9 +90,12 @@ class WireClock {
         std::int64_t const ns = of(SimTime{} + span);
         return simulated() ? ns : std::llround(static_cast<double>(ns) / speed);
     }
-    /// Milliseconds since simulated time 0, on the clock that frames live in.
+    /// Milliseconds since simulated time 0, on the clock that frames live in; in real time nan before it is known.
     [[nodiscard]] double since_start_ms(std::int64_t ns) const {
-        return simulated() ? static_cast<double>(ns) / 1e6 : age_ms(utc_ns(0), 0, 1);
+        if (simulated()) {
+            return static_cast<double>(ns) / 1e6;
+        }
+        return known_start_unix_ns() ? age_ms(utc_ns(0), 0, 1) : std::numeric_limits<double>::quiet_NaN();
     }
     /// Milliseconds from the instant at which simulated time was `time_s` (at this speed) to `unix_ns`. Real time.
     [[nodiscard]] double age_ms(std::int64_t unix_ns, double time_s, double speed) const {

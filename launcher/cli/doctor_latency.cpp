@@ -8,6 +8,7 @@
 #include "launcher/folder/machine_latency.hpp"
 #include "launcher/run/progress_bar.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <ctime>
 #include <fmt/format.h>
@@ -62,7 +63,7 @@ nlohmann::ordered_json as_json(WayToWait const& way, WakeupLatency const& found,
 } // namespace
 
 int show_latency(LatencyQuestion const& asked) {
-    auto const count = static_cast<std::size_t>(asked.seconds * 1e6 / asked.period_us);
+    auto const count = static_cast<std::size_t>(std::max(1.0, asked.seconds * 1e6 / asked.period_us));
     std::string const load = load_text();
     nlohmann::ordered_json all = {{"measured", format_utc(std::time(nullptr))},
                                   {"period_us", asked.period_us},

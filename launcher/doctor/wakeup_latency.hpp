@@ -12,7 +12,8 @@
 
 namespace gridspace::launcher {
 
-/// How a process waits for an instant. Each is what the one before it is, and one thing more.
+/// How a process waits for an instant. Each is what the one before it is, and one thing more; the last one needs no
+/// processor to be kept awake.
 enum class Waiting {
     sleeping, ///< clock_nanosleep(2) under the ordinary scheduler
     fifo,     ///< under SCHED_FIFO

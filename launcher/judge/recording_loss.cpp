@@ -99,4 +99,26 @@ void name_loss(Expectation const& expectation, RecordingLoss const& loss, Expect
     result.value.reset();
 }
 
+void mind_the_end(Expectation const& expectation, Moments const& moments, double cut_at_s, double duration_s,
+                  ExpectationResult& result) {
+    using Status = ExpectationResult::Status;
+    using Verb = Expectation::Verb;
+    constexpr double kLastTick = 0.1; // s: nothing need have been said at the very end
+    auto const until = expectation.until ? instant_of(*expectation.until, moments) : duration_s;
+    bool const is_found = expectation.verb == Verb::eventually || expectation.verb == Verb::time_of;
+    bool const is_decided = result.status == Status::passed ? is_found : result.decided_at_s.has_value();
+    if (result.status == Status::not_applicable || is_decided || !until || *until <= cut_at_s + kLastTick) {
+        return;
+    }
+    if (result.status == Status::passed) {
+        result.status = Status::failed;
+    }
+    std::string const rest =
+        result.value && result.unit != "" ? fmt::format("{:.6g} {}", *result.value, result.unit) : result.detail;
+    result.detail =
+        fmt::format("cannot be judged: the recording ends at {:.6g} s, and {:.6g} s were simulated{}", cut_at_s,
+                    duration_s, rest.empty() ? "" : fmt::format(" (by what is left: {})", trim(rest)));
+    result.value.reset();
+}
+
 } // namespace gridspace::launcher

@@ -44,4 +44,9 @@ class RecordingLoss {
 /// detail says that it cannot be judged and why.
 void name_loss(Expectation const& expectation, RecordingLoss const& loss, ExpectationResult& result);
 
+/// The recording was cut at `cut_at_s` of `duration_s` simulated seconds: what asks about a later time, and is not
+/// decided by what is there, fails, without a value, and its detail says so.
+void mind_the_end(Expectation const& expectation, Moments const& moments, double cut_at_s, double duration_s,
+                  ExpectationResult& result);
+
 } // namespace gridspace::launcher

@@ -28,11 +28,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-void read_manifest(fs::path const& folder, Results& out) {
+Result<void> read_manifest(fs::path const& folder, Results& out) {
     std::ifstream stream{folder / "manifest.json"};
     Json const m = Json::parse(stream, nullptr, false);
     if (!m.is_object()) {
-        return;
+        return fail(ExitCode::usage, fmt::format("'{}' is no JSON object", (folder / "manifest.json").string()),
+                    "it says when the run began and how it ended; without it nothing can be judged");
     }
     std::string const none;
     out.scenario = value_of(m, "scenario", none);
@@ -54,6 +55,7 @@ void read_manifest(fs::path const& folder, Results& out) {
         out.processes.push_back({name, value_of(p, "program", none), value_of(p, "host", none),
                                  value_of(p, "end", none), value_of(p, "exit", 0), value_of(p, "cpu_s", 0.0)});
     }
+    return {};
 }
 
 /// What the launcher has seen of the end.
@@ -78,7 +80,9 @@ Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss&
     }
     std::map<std::string, Results::Topic> topics;
     std::map<std::string, std::set<std::string>> processes;
+    std::uint64_t newest_ns = 0;
     auto const outcome = mcap::read_messages(file, [&](mcap::Message const& message) {
+        newest_ns = std::max(newest_ns, message.time_ns);
         Results::Topic& topic = topics[message.channel.topic];
         ++topic.samples;
         if (topic.samples == 1) {
@@ -97,6 +101,9 @@ Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss&
         return std::unexpected{outcome.error()};
     }
     out.recording_note = outcome->note;
+    if (!outcome->complete) {
+        out.cut_at_s = std::max(0.0, static_cast<double>(newest_ns) / 1e9 - static_cast<double>(out.epoch_unix_s));
+    }
     for (auto& [name, topic] : topics) {
         topic.processes.assign(processes[name].begin(), processes[name].end());
         out.topics.push_back(std::move(topic));
@@ -159,6 +166,7 @@ void judge_all(fs::path const& folder, Results& out, RecordingLoss loss) {
     auto const expectations = read_expectations(expect == nullptr ? config::Node{} : *expect, diagnostics);
     if (!diagnostics.ok()) { // somebody has changed it: half an expectation says nothing
         out.notes.push_back(fmt::format("the expectations cannot be judged: {}", diagnostics.sorted().front().message));
+        out.unjudged = true;
         return;
     }
     out.moments = moments_of(scenario->find("events"), out.events);
@@ -169,6 +177,9 @@ void judge_all(fs::path const& folder, Results& out, RecordingLoss loss) {
     }
     for (Expectation const& e : expectations) {
         out.expectations.push_back(judge(e, out.signals, out.moments, out.outcome.simulated_s, out.mode == "lockstep"));
+        if (out.cut_at_s) {
+            mind_the_end(e, out.moments, *out.cut_at_s, out.outcome.simulated_s, out.expectations.back());
+        }
         mind_gaps(e, out.counter_gaps, out.expectations.back());
         name_loss(e, loss, out.expectations.back());
     }
@@ -182,8 +193,10 @@ bool Results::passed() const {
 }
 
 int Results::exit_code() const {
-    return outcome.exit_code != 0 ? outcome.exit_code
-                                  : static_cast<int>(passed() ? ExitCode::ok : ExitCode::expectation_failed);
+    if (outcome.exit_code != 0) {
+        return outcome.exit_code;
+    }
+    return static_cast<int>(unjudged ? ExitCode::usage : passed() ? ExitCode::ok : ExitCode::expectation_failed);
 }
 
 Result<Results> read_results(fs::path const& folder, RunOutcome const* seen, AlsoNamed also_named) {
@@ -193,7 +206,9 @@ Result<Results> read_results(fs::path const& folder, RunOutcome const* seen, Als
     }
     Results out;
     out.folder = fs::canonical(folder);
-    read_manifest(folder, out);
+    if (auto ok = read_manifest(folder, out); !ok) {
+        return std::unexpected{ok.error()};
+    }
     if (seen != nullptr) {
         take_outcome(*seen, out);
     }

@@ -44,8 +44,10 @@ struct Results {
         double cpu_s{0}; ///< user and system time
     };
     std::vector<ProcessRow> processes;
-    std::string recording_note; ///< when the recording is not complete
-    SignalStore signals;        ///< all that were recorded, and what follows from them
+    std::string recording_note;     ///< when the recording is not complete
+    std::optional<double> cut_at_s; ///< the newest that is in a recording which was cut
+    bool unjudged{false};           ///< the expectations cannot be read
+    SignalStore signals;            ///< all that were recorded, and what follows from them
     /// Of these only the last value is in `signals`: an hour of all does not fit into memory (run_signals.hpp).
     std::set<std::string> last_values;
     Silences silences;        ///< where signals have no value, because their process was killed

@@ -139,7 +139,7 @@ struct Awake {
 Awake keep_awake(Scenario const& scenario) {
     bool const is_hurried = scenario.clock.mode == bus::ClockMode::realtime || scenario.clock.speed == 0;
     if (!is_hurried || !scenario.clock.awake) {
-        return {{}, is_hurried ? "may sleep, as the scenario asks" : "may sleep"};
+        return {{}, is_hurried ? "may sleep, as the scenario asks" : "may sleep: lockstep has a pace"};
     }
     auto kept = keep_processors_awake();
     return kept ? Awake{std::move(*kept), "awake"} : Awake{{}, "may sleep: " + kept.error().message};

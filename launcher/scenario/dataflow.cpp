@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/scenario/dataflow.hpp"
 
+#include "bus/lockstep/barrier.hpp"
 #include "bus/topics.hpp"
 #include "common/text.hpp"
 #include "launcher/scenario/bumps.hpp"
@@ -184,6 +185,16 @@ void check_hosts_of_frames(Scenario const& scenario, Diagnostics& diagnostics) {
     }
 }
 
+/// A port keeps 4 * kMostFrames (recorder/app/frame_capture.cpp). Who collects is asked in the tick after kMostFrames
+/// are there: with those of two ticks, and GOOSE.
+bool may_collect_frames(Scenario const& scenario) {
+    Rational all{0};
+    for (Process const& process : scenario.processes) {
+        all = all + frames_per_second(scenario, process);
+    }
+    return all * scenario.tick_s() <= Rational{lockstep::Barrier::kMostFrames};
+}
+
 } // namespace
 
 Dataflow dataflow(Scenario const& scenario) {
@@ -225,8 +236,10 @@ Dataflow dataflow(Scenario const& scenario) {
         if (process.program.name ==
             "gridspace-recorder") { // it keeps the acknowledgements of those too who only listen
             plan.upstream = other_members(scenario, process);
-            plan.collects_frames = !plan.triggered_by.empty();
-            plan.triggered_by.clear(); // it works in batches
+            if (may_collect_frames(scenario)) { // it works in batches
+                plan.collects_frames = !plan.triggered_by.empty();
+                plan.triggered_by.clear();
+            }
         } else {
             for (std::string const& up : plan.upstream) {
                 if (scenario.find_process(up)->settings->sends_late(scenario)) {

@@ -107,18 +107,6 @@ class Loops {
     mutable std::set<std::string> on_way_;
 };
 
-/// Frames that a member sends on one link in one sample of its streams, at most.
-Rational frames_per_second(Scenario const& scenario, Process const& process) {
-    Rational out{0};
-    for (WireUse const& use : frames_sent(scenario, process)) {
-        streams::Stream const* const stream = streams::find_stream(scenario.streams, use.stream);
-        if (stream != nullptr && stream->rate_hz > Rational{0}) {
-            out = out + stream->rate_hz / Rational{stream->samples_per_frame};
-        }
-    }
-    return out;
-}
-
 /// Whether a tick of this length falls on everything that must not depend on it, and into every buffer.
 bool fits(Scenario const& scenario, Dataflow const& flow, std::int64_t samples, Rational rate,
           std::int64_t per_message) {
@@ -156,6 +144,17 @@ bool fits(Scenario const& scenario, Dataflow const& flow, std::int64_t samples, 
 }
 
 } // namespace
+
+Rational frames_per_second(Scenario const& scenario, Process const& process) {
+    Rational out{0};
+    for (WireUse const& use : frames_sent(scenario, process)) {
+        streams::Stream const* const stream = streams::find_stream(scenario.streams, use.stream);
+        if (stream != nullptr && stream->rate_hz > Rational{0}) {
+            out = out + stream->rate_hz / Rational{stream->samples_per_frame};
+        }
+    }
+    return out;
+}
 
 WorkAhead work_ahead(Scenario const& scenario, Dataflow const& flow) {
     WorkAhead out;

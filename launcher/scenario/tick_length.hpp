@@ -11,6 +11,9 @@
 /// How long a tick of lockstep may be (docs/design/time.md, "How long a tick may be").
 namespace gridspace::launcher {
 
+/// Of sampled values, that a process sends.
+[[nodiscard]] Rational frames_per_second(Scenario const& scenario, Process const& process);
+
 /// How far beyond a tick members work, where the tick is longer than the last hop of a loop.
 struct WorkAhead {
     std::map<std::string, Rational> ahead_s;   ///< by member: its input is complete so long beyond the tick

@@ -25,7 +25,7 @@ namespace {
 /// Real time: frames that wait for a disk which hangs, in octets. What comes on top is dropped and counted.
 constexpr std::size_t kMaxWaiting = 32U << 20U;
 
-// Frames of several ticks wait in a port, both ways of them, and those of the tick in which they are fetched.
+// As many may wait as that, and those of two ticks with as many each (launcher/scenario/dataflow.cpp), and GOOSE.
 static_assert(4 * lockstep::Barrier::kMostFrames <= ethernet::PortOptions{}.ring_frames);
 
 /// A port and a way through it in one number, which a frame carries through its reader.

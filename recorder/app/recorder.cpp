@@ -338,6 +338,7 @@ class RecorderShell {
         for (std::string const& text : frames_->strangers()) {
             status_.event(last_s_, node_.config().process, "foreign_frames", text);
         }
+        frames_.reset();
         return closed;
     }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -46,6 +47,9 @@ SignalSeries of_messages(SignalStore const& signals, std::string const& stream, 
     std::size_t const hears = std::min({heard.values.size(), n[2]->values.size(), n[3]->values.size()});
     std::map<std::pair<double, double>, double> sent_at;
     for (std::size_t i = 0; i < sends; ++i) {
+        if (std::isnan(sent.values[i])) { // sent before its process knew when the run began
+            continue;
+        }
         sent_at[{n[0]->values[i], n[1]->values[i]}] = sent.values[i];
     }
     for (std::size_t i = 0; i < hears; ++i) {

@@ -65,6 +65,35 @@ def differences(first, second):
     return a - b, b - a
 
 
+# Six units behind one cable, in ticks of 2400 frames: more than may wait for a recorder that collects them.
+LONG_TICKS = f"""---
+gridspace: 1
+name: long_ticks
+simulation:
+  network: {SOURCE}/configs/networks/adn_set_a.yaml
+  solver: emt
+  step_s: 1/48000
+  duration_s: 1
+  sampling: {{rate_hz: 4800, samples_per_message: 8}}
+  gateways: {{TL1: {{publish: {{TL_11: CT11, TL_12: CT12}}}}, TL2: {{publish: {{TL_21: CT21, TL_22: CT22}}}}, TL3: {{publish: {{TL_31: CT31, TL_32: CT32}}}}}}
+clock: {{mode: lockstep, speed: max, tick_samples: 400}}
+hosts: {{simulator: {{links: [data_bus]}}, bay: {{links: [data_bus, process_bus]}}, ied: {{links: [process_bus]}}}}
+links: {{data_bus: {{kind: switch, ipv4: 10.20.0.0/24}}, process_bus: {{kind: switch, delay_us: 0}}}}
+streams:
+  S1: {{kind: smv, mac: "01:0C:CD:04:00:21", app_id: 0x4021, sv_id: A1, conf_rev: 1, vlan_priority: 4, rate_hz: 4800, samples_per_frame: 1, synch: global, data_set: {{Ia: float32, Ib: float32, Ic: float32}}}}
+{"".join(f'  S{i}: {{like: S1, mac: "01:0C:CD:04:00:2{i}", app_id: 0x402{i}, sv_id: A{i}}}' + chr(10) for i in range(2, 7))}processes:
+  sim: {{program: gridspace-sim, host: simulator, qos: simulator}}
+{"".join(f"  m{i}: {{program: gridspace-mu, host: bay, qos: merging_unit, from: {topic}, to: S{i}, buffer_ms: 1.5, latency_us: 120}}" + chr(10) for i, topic in enumerate(("TL_11", "TL_12", "TL_21", "TL_22", "TL_31", "TL_32"), 1))}  recorder: {{program: gridspace-recorder, host: simulator, qos: recorder, capture: [process_bus]}}
+record: {{samples: all, frames: all, signals: ["bus.*"]}}
+"""
+
+
+class LongTicks(ScenarioTest):
+    def test_ticks_with_more_frames_than_may_wait_for_a_recorder_are_captured_whole(self):
+        run = self.run_to_end("run", scenario=self.write("long_ticks.yaml", LONG_TICKS))
+        self.assertEqual(sum(ethertype(octets) == SMV for _, octets in Capture(run.folder / "bus.pcapng.gz").at("process_bus/bay")), 6 * 4800)
+
+
 class CutCable(ScenarioTest):
     def test_both_sides_of_a_bump_are_captured_under_names(self):
         self.write("base.yaml", SHORT_CASE_2)

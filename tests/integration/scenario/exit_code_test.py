@@ -42,6 +42,32 @@ class ExitCodes(ScenarioTest):
         self.assertRegex(out, r"too_high .*FAIL")
         self.assertRegex(out, r"fine .*pass")
 
+    def test_1_for_a_report_on_a_recording_that_was_cut_of_what_asks_about_the_rest(self):
+        held = "{all: {always: bus.B1.v_pu > 0.5}, least: {min_of: bus.B1.v_pu, above: 0.5}, soon: {always: bus.B1.v_pu > 0.5, until: 1 s}, once: {eventually: bus.B1.v_pu > 0.5}}"
+        run = self.run_to_end("run", [*BASE, "--until", "4h", "--set", "expect=~", "--set", f"expect={held}"])
+        recording = run.folder / "data.mcap"
+        recording.write_bytes(recording.read_bytes()[:recording.stat().st_size * 6 // 10])
+        code, out, err = gridspace("report", run.folder)
+        self.assertEqual(code, EXPECTATION, out + err)
+        self.assertRegex(out, r"all .*FAIL +cannot be judged: the recording ends at \d")
+        self.assertRegex(out, r"least .*FAIL +cannot be judged: the recording ends at \d")
+        self.assertRegex(out, r"soon .*pass")
+        self.assertRegex(out, r"once .*pass")
+
+    def test_2_for_a_report_on_a_run_that_cannot_be_judged(self):
+        run = self.run_to_end("run", SHORT)
+        manifest = run.folder / "manifest.json"
+        good = manifest.read_text()
+        manifest.write_text("{")
+        code, _, err = gridspace("report", run.folder)
+        self.assertEqual(code, USAGE, err)
+        self.assertIn("is no JSON object", err)
+        manifest.write_text(good)
+        (run.folder / "scenario.resolved.yaml").unlink()
+        code, out, err = gridspace("report", run.folder)
+        self.assertEqual(code, USAGE, out + err)
+        self.assertIn("cannot be judged", out + err)
+
     def test_2_for_a_mistake_on_the_command_line(self):
         for arguments in (["run"], ["run", "--nonsense", CASE_1], ["nonsense"], [], ["run", CASE_1, "--speed", "fast"],
                           ["run", CASE_1, "--until", "later"], ["run", CASE_1, "--seed", "99999999999999999999"], ["run", CASE_1, "--set", "nonsense"], ["completion", "tcsh"]):

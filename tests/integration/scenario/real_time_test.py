@@ -3,6 +3,7 @@
 """A run in real time says how late its ticks were, beside what `gridspace doctor --latency` has found of this machine."""
 import json
 import os
+import pathlib
 import re
 import unittest
 
@@ -17,6 +18,20 @@ class RealTime(harness.ScenarioTest):
         code, _, err = harness.gridspace("run", file, "--out", out, "--quiet", *changes, env=env)
         self.assertEqual(code, harness.OK, err)
         return json.loads((out / "report/summary.json").read_text()), (out / "report/index.html").read_text(encoding="utf-8")
+
+    def keeps_awake(self, processors):
+        """Whether the launcher holds the request while the run is under way, and none of its processes does."""
+        file = self.write("long.yaml", harness.short_case_2("protection", 30, "{}"))
+        run = self.start(processors, ["--set", f"clock.processors={processors}"], file)
+        run.wait_for_time(0.1)
+
+        def holds(pid):
+            return "/dev/cpu_dma_latency" in [os.readlink(fd) for fd in pathlib.Path(f"/proc/{pid}/fd").iterdir() if fd.is_symlink()]
+
+        self.assertFalse(holds(run.pid_of("sim")))
+        held = holds(run.pid_of("launcher"))
+        run.end_by_force()
+        return held
 
     def test_the_ticks_of_a_run_are_counted_and_a_machine_that_was_not_measured_is_said_to_be_so(self):
         summary, page = self.run_short()
@@ -43,6 +58,8 @@ class RealTime(harness.ScenarioTest):
         may = os.access("/dev/cpu_dma_latency", os.W_OK)
         self.assertRegex(summary["idle_processors"], "^awake$" if may else "^may sleep: /dev/cpu_dma_latency: ")
         self.assertIn("<dt>idle processors</dt>", page)
+        self.assertEqual(self.keeps_awake("awake"), may)
+        self.assertFalse(self.keeps_awake("sleep"))
         self.folder = self.folder / "refused"
         self.folder.mkdir()
         summary, _ = self.run_short("protection", "--set", "clock.processors=sleep")

@@ -10,7 +10,7 @@ namespace {
 using Octets = std::vector<std::uint8_t>;
 using ::testing::ElementsAreArray;
 
-constexpr std::uint8_t kData = 0x15, kDataFrag = 0x16, kHeartbeat = 0x07, kInfoDst = 0x0e, kStatistics = 0x80;
+constexpr std::uint8_t kData = 0x15, kDataFrag = 0x16, kInfoDst = 0x0e, kStatistics = 0x80;
 constexpr std::size_t kNoLimit = 65000;
 
 Octets joined(std::initializer_list<Octets> parts) {
@@ -54,54 +54,6 @@ TEST(GatheredMessageTest, WhatWasGatheredCanBeAddedToAnother) {
     sut.add(parts_of(two));
     EXPECT_THAT(sut.finish(), ElementsAreArray(joined({header(), kFirst, kSecond, kOtherEnd})));
     EXPECT_THAT(group.finish(), ElementsAreArray(one));
-}
-
-/// Of a writer, with its count. `final`: nobody who lacks nothing answers it.
-Octets heartbeat(std::uint8_t writer, std::uint8_t count, bool final = false) {
-    Octets out = submessage(kHeartbeat, Octets(28, writer));
-    out[1] = static_cast<std::uint8_t>(out[1] | (final ? 2 : 0));
-    std::fill_n(out.begin() + 12, 20, count); // first and last sample, count
-    return out;
-}
-
-TEST(GatheredMessageTest, OfAWritersHeartbeatsOnlyTheNewestIsKeptAndThoseOfOthersStay) {
-    Octets const one = joined({header(), kFirst, heartbeat(1, 1), kEnd}),
-                 two = joined({header(), kSecond, heartbeat(2, 1), kEnd}),
-                 three = joined({header(), kFirst, heartbeat(1, 2), kEnd}),
-                 four = joined({header(), kSecond, heartbeat(2, 2), kEnd});
-    GatheredMessage sut;
-    for (Octets const& message : {one, two, three, four}) {
-        sut.add(parts_of(message));
-    }
-    EXPECT_THAT(sut.finish(), ElementsAreArray(joined({header(), kFirst, kSecond, kFirst, heartbeat(1, 2), kSecond,
-                                                       heartbeat(2, 2), kEnd})));
-    sut.clear();
-    sut.add(parts_of(one)); // of what was there before nothing is dropped
-    EXPECT_THAT(sut.finish(), ElementsAreArray(one));
-}
-
-TEST(GatheredMessageTest, AHeartbeatThatAsksForAnAnswerIsNotReplacedByOneThatDoesNot) {
-    Octets const asks = joined({header(), kFirst, heartbeat(1, 1), kEnd}),
-                 does_not = joined({header(), kSecond, heartbeat(1, 2, true), kEnd});
-    GatheredMessage sut;
-    sut.add(parts_of(asks));
-    sut.add(parts_of(does_not));
-    EXPECT_THAT(sut.finish(),
-                ElementsAreArray(joined({header(), kFirst, heartbeat(1, 1), kSecond, heartbeat(1, 2, true), kEnd})));
-}
-
-TEST(GatheredMessageTest, GroupsWithHeartbeatsLoseTheOlderOnesToo) {
-    GatheredMessage group, other, sut;
-    Octets const one = joined({header(), kFirst, heartbeat(1, 1), kEnd}),
-                 two = joined({header(), kSecond, heartbeat(2, 1), kEnd}),
-                 three = joined({header(), kFirst, heartbeat(1, 2), heartbeat(2, 2), heartbeat(2, 3), kEnd});
-    group.add(parts_of(one));
-    group.add(parts_of(two));
-    other.add(parts_of(three)); // two of one writer in one message: what comes whole stays whole
-    sut.add(group.parts());
-    sut.add(other.parts());
-    EXPECT_THAT(sut.finish(), ElementsAreArray(joined({header(), kFirst, kSecond, kFirst, heartbeat(1, 2),
-                                                       heartbeat(2, 2), heartbeat(2, 3), kEnd})));
 }
 
 TEST(GatheredMessageTest, TakesNothingThatMakesItTooLong) {
