@@ -36,7 +36,8 @@ void note_conditions(Json const& a, Json const& b, CompareArguments const& argum
                        folder.string());
         }
     }
-    if (reached_of(a) != reached_of(b)) { // what is recorded on change only may be equal all the same
+    if (a.is_object() && b.is_object() &&
+        reached_of(a) != reached_of(b)) { // what is recorded on change only may be equal all the same
         fmt::print(stderr, "note: the runs ended at different times, at {} s and at {} s\n", reached_of(a),
                    reached_of(b));
     }

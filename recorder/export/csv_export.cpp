@@ -144,11 +144,14 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
         auto [it, fresh] = tables.try_emplace(m.channel.topic);
         Table& table = it->second;
         if (fresh) {
-            auto model = idl::parse(m.schema.data);
+            bool const is_idl = m.schema.encoding == "omgidl";
+            auto model = idl::parse(is_idl ? m.schema.data : "");
             auto const type = model ? model->find(m.schema.name) : std::nullopt;
             if (type) {
                 table.model = std::move(*model);
                 table.type = *type;
+            } else if (!is_idl) {
+                table.why = fmt::format("its schema is '{}', and not IDL (omgidl)", printable(m.schema.encoding));
             } else {
                 table.why = model ? fmt::format("its IDL does not define '{}'", m.schema.name) : model.error().message;
             }
