@@ -18,7 +18,8 @@ struct PortOptions {
     bool include_outgoing{false}; ///< see what this host sends on the interface, for a recorder
     bool promiscuous{false};
     bool ring{true}; ///< memory shared with the kernel, where it is to be had; otherwise recvmmsg
-    std::size_t ring_frames{4096};
+    static constexpr std::size_t kRingFrames = 4096;
+    std::size_t ring_frames{kRingFrames};
     bool waited_for{true}; ///< false: nobody waits for its descriptor; frames are fetched when they must be there
     std::size_t receive_buffer{8U << 20U}; ///< octets, without the ring
     /// Frames whose source address begins so have a buffer of their own, and are fetched first: a flood by others fills

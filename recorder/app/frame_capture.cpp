@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t kMaxWaiting = 32U << 20U;
 
 // As many may wait as that, and those of two ticks with as many each (launcher/scenario/dataflow.cpp), and GOOSE.
-static_assert(4 * lockstep::Barrier::kMostFrames <= ethernet::PortOptions{}.ring_frames);
+static_assert(4 * lockstep::Barrier::kMostFrames <= ethernet::PortOptions::kRingFrames);
 
 /// A port and a way through it in one number, which a frame carries through its reader.
 std::uint32_t place_of(std::size_t port, bool outgoing) {

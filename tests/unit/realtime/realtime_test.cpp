@@ -4,6 +4,7 @@
 #include "common/realtime.hpp"
 
 #include <fcntl.h>
+#include <fstream>
 #include <gmock/gmock.h>
 #include <sched.h>
 #include <sys/resource.h>
@@ -64,8 +65,10 @@ TEST(Realtime, MemoryIsLockedOnlyWhereThatCannotFailLater) {
 
 TEST(Realtime, ProcessorsStayAwakeWhereTheDeviceMayBeWritten) {
     auto const kept = keep_processors_awake();
-    bool const permitted = ::access("/dev/cpu_dma_latency", W_OK) == 0;
-    ASSERT_EQ(kept.has_value(), permitted) << describe(kept.error());
+    std::string driver;
+    std::ifstream{"/sys/devices/system/cpu/cpuidle/current_driver"} >> driver;
+    bool const permitted = driver != "none" && ::access("/dev/cpu_dma_latency", W_OK) == 0;
+    ASSERT_EQ(kept.has_value(), permitted) << (kept ? "" : describe(kept.error()));
     if (permitted) { // it says what the strictest request is, and somebody else may have one too
         UniqueFd const device{::open("/dev/cpu_dma_latency", O_RDONLY | O_CLOEXEC)};
         std::int32_t latency_us = 1000;
@@ -77,7 +80,7 @@ TEST(Realtime, ProcessorsStayAwakeWhereTheDeviceMayBeWritten) {
                       return 0;
                   }
                   auto const refused = keep_processors_awake(); // nobody may not, unless somebody has allowed it
-                  return refused || refused.error().message.starts_with("/dev/cpu_dma_latency: ") ? 0 : 1;
+                  return refused || !refused.error().message.empty() ? 0 : 1;
               }),
               0);
 }
