@@ -110,7 +110,16 @@ void Node::Core::wait_for_more(Receiving::Turn& turn, std::unique_lock<std::mute
     lock.unlock();
     bool any = take_board();
     lock.lock();
+    auto const is_time_to_look = [&] { // of who is not asked, the sockets would fill up while others talk
+        auto const now = std::chrono::steady_clock::now();
+        bool const is_time = now - looked_at >= kLook;
+        looked_at = is_time ? now : looked_at;
+        return is_time;
+    };
     if (any) {
+        if (is_time_to_look()) {
+            turn.wait(lock, changed, std::chrono::nanoseconds{0});
+        }
         return;
     }
     if (samples_only) {
@@ -121,9 +130,7 @@ void Node::Core::wait_for_more(Receiving::Turn& turn, std::unique_lock<std::mute
     board->wait(heard, std::min<std::chrono::nanoseconds>(longest, kLook));
     any = take_board();
     lock.lock();
-    auto const now = std::chrono::steady_clock::now();
-    if (!any || now - looked_at >= kLook) { // of who is not asked, the sockets would fill up while others talk
-        looked_at = now;
+    if (!any || is_time_to_look()) {
         turn.wait(lock, changed, std::chrono::nanoseconds{0});
     }
 }

@@ -99,15 +99,50 @@ void name_loss(Expectation const& expectation, RecordingLoss const& loss, Expect
     result.value.reset();
 }
 
+namespace {
+
+/// Whatever comes later does not change the answer.
+bool is_decided(Expectation const& e, ExpectationResult const& result) {
+    using Verb = Expectation::Verb;
+    bool const passed = result.status == ExpectationResult::Status::passed;
+    Expectation::Band const& band = result.band;
+    switch (e.verb) {
+    case Verb::time_of:
+        return result.value.has_value();
+    case Verb::intervals_ms:
+        return passed;
+    case Verb::max_of: // both only grow
+    case Verb::count_of:
+        return result.value && (passed ? !band.high : band.high && *result.value > *band.high);
+    case Verb::min_of:
+        return result.value && (passed ? !band.low : band.low && *result.value < *band.low);
+    case Verb::always:
+    case Verb::never:
+    case Verb::eventually:
+        return result.decided_at_s.has_value();
+    default:
+        return false;
+    }
+}
+
+} // namespace
+
 void mind_the_end(Expectation const& expectation, Moments const& moments, double cut_at_s, double duration_s,
                   ExpectationResult& result) {
     using Status = ExpectationResult::Status;
-    using Verb = Expectation::Verb;
-    constexpr double kLastTick = 0.1; // s: nothing need have been said at the very end
-    auto const until = expectation.until ? instant_of(*expectation.until, moments) : duration_s;
-    bool const is_found = expectation.verb == Verb::eventually || expectation.verb == Verb::time_of;
-    bool const is_decided = result.status == Status::passed ? is_found : result.decided_at_s.has_value();
-    if (result.status == Status::not_applicable || is_decided || !until || *until <= cut_at_s + kLastTick) {
+    constexpr double kRounding = 0.001; // s: the clock of the last tick is at the end
+    std::optional<double> until = duration_s, from = 0;
+    if (expectation.until) {
+        until = instant_of(*expectation.until, moments);
+    }
+    if (expectation.from) {
+        from = instant_of(*expectation.from, moments);
+    }
+    if (until && from && expectation.within_s) {
+        until = std::min(*until, *from + *expectation.within_s);
+    }
+    if (result.status == Status::not_applicable || is_decided(expectation, result) || !from || !until ||
+        *until <= cut_at_s + kRounding || result.detail.starts_with("cannot be judged")) {
         return;
     }
     if (result.status == Status::passed) {
@@ -116,7 +151,7 @@ void mind_the_end(Expectation const& expectation, Moments const& moments, double
     std::string const rest =
         result.value && result.unit != "" ? fmt::format("{:.6g} {}", *result.value, result.unit) : result.detail;
     result.detail =
-        fmt::format("cannot be judged: the recording ends at {:.6g} s, and {:.6g} s were simulated{}", cut_at_s,
+        fmt::format("cannot be judged: the recording is whole until {:.6g} s, and {:.6g} s were simulated{}", cut_at_s,
                     duration_s, rest.empty() ? "" : fmt::format(" (by what is left: {})", trim(rest)));
     result.value.reset();
 }

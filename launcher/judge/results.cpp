@@ -102,7 +102,8 @@ Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss&
     }
     out.recording_note = outcome->note;
     if (!outcome->complete) {
-        out.cut_at_s = std::max(0.0, static_cast<double>(newest_ns) / 1e9 - static_cast<double>(out.epoch_unix_s));
+        std::uint64_t const whole_until_ns = std::min(newest_ns, outcome->damaged_from_ns.value_or(newest_ns));
+        out.cut_at_s = std::max(0.0, static_cast<double>(whole_until_ns) / 1e9 - static_cast<double>(out.epoch_unix_s));
     }
     for (auto& [name, topic] : topics) {
         topic.processes.assign(processes[name].begin(), processes[name].end());
@@ -177,11 +178,11 @@ void judge_all(fs::path const& folder, Results& out, RecordingLoss loss) {
     }
     for (Expectation const& e : expectations) {
         out.expectations.push_back(judge(e, out.signals, out.moments, out.outcome.simulated_s, out.mode == "lockstep"));
+        mind_gaps(e, out.counter_gaps, out.expectations.back());
+        name_loss(e, loss, out.expectations.back());
         if (out.cut_at_s) {
             mind_the_end(e, out.moments, *out.cut_at_s, out.outcome.simulated_s, out.expectations.back());
         }
-        mind_gaps(e, out.counter_gaps, out.expectations.back());
-        name_loss(e, loss, out.expectations.back());
     }
 }
 

@@ -129,8 +129,8 @@ class Reader {
     }
 
     bool chunk(Decoder& d) {
-        d.number<std::uint64_t>(); // times
-        d.number<std::uint64_t>();
+        begins_ns_ = d.number<std::uint64_t>();
+        d.number<std::uint64_t>(); // the end
         auto const size = d.number<std::uint64_t>();
         auto const crc = d.number<std::uint32_t>();
         std::string const compression = d.text();
@@ -176,6 +176,7 @@ class Reader {
 
     /// The chunks behind a damaged one are whole.
     bool leave_out(std::string why) {
+        outcome.damaged_from_ns = std::min(begins_ns_, outcome.damaged_from_ns.value_or(begins_ns_));
         if (damaged_++ == 0) {
             first_damage_ = std::move(why);
         }
@@ -189,6 +190,7 @@ class Reader {
     std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd_{ZSTD_createDCtx(), &ZSTD_freeDCtx};
     bool in_chunk_{false};
     std::uint64_t may_decompress_{0}, decompressed_{0}; ///< octets that are believed, and were there
+    std::uint64_t begins_ns_{0};                        ///< of the chunk at hand
     std::uint64_t damaged_{0}, orphans_{0};             ///< chunks, messages of channels that were introduced in them
     std::string first_damage_;
 };

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace gridspace::mcap {
@@ -25,6 +26,7 @@ struct ReadOutcome {
     std::uint64_t messages{0};
     bool complete{false}; ///< the file ends as it should; otherwise it was cut, and the prefix was read
     std::string note;     ///< what is wrong with the rest
+    std::optional<std::uint64_t> damaged_from_ns{}; ///< when the earliest chunk begins that was left out
 };
 
 /// Calls `handler` for every message in the order of the file. Works on files that were cut off. Records of unknown

@@ -47,13 +47,14 @@ SignalSeries of_messages(SignalStore const& signals, std::string const& stream, 
     std::size_t const hears = std::min({heard.values.size(), n[2]->values.size(), n[3]->values.size()});
     std::map<std::pair<double, double>, double> sent_at;
     for (std::size_t i = 0; i < sends; ++i) {
-        if (std::isnan(sent.values[i])) { // sent before its process knew when the run began
+        if (std::isnan(sent.values[i])) { // before its process knew when the run began
             continue;
         }
         sent_at[{n[0]->values[i], n[1]->values[i]}] = sent.values[i];
     }
     for (std::size_t i = 0; i < hears; ++i) {
-        if (auto const it = sent_at.find({n[2]->values[i], n[3]->values[i]}); it != sent_at.end()) {
+        if (auto const it = sent_at.find({n[2]->values[i], n[3]->values[i]});
+            it != sent_at.end() && !std::isnan(heard.values[i])) {
             out.times_ns.push_back(heard.times_ns[i]);
             out.values.push_back(heard.values[i] - it->second);
         }

@@ -49,8 +49,8 @@ class ExitCodes(ScenarioTest):
         recording.write_bytes(recording.read_bytes()[:recording.stat().st_size * 6 // 10])
         code, out, err = gridspace("report", run.folder)
         self.assertEqual(code, EXPECTATION, out + err)
-        self.assertRegex(out, r"all .*FAIL +cannot be judged: the recording ends at \d")
-        self.assertRegex(out, r"least .*FAIL +cannot be judged: the recording ends at \d")
+        self.assertRegex(out, r"all .*FAIL +cannot be judged: the recording is whole until \d")
+        self.assertRegex(out, r"least .*FAIL +cannot be judged: the recording is whole until \d")
         self.assertRegex(out, r"soon .*pass")
         self.assertRegex(out, r"once .*pass")
 

@@ -45,6 +45,51 @@ TEST(RecordingLoss, WhatFailsOnSignalsWithHolesCannotBeJudged) {
                 HasSubstr("by what is left: 2"));
 }
 
+/// Of a run of 10 s whose recording was cut at 4 s: a signal that was 1, 3 and 2.
+ExpectationResult judged_when_cut(std::string const& settings) {
+    config::Diagnostics diagnostics;
+    std::string const text = "e: " + settings;
+    auto const node = config::parse_yaml(text, config::make_source("e.yaml", text), diagnostics);
+    auto const list = read_expectations(*node, diagnostics);
+    EXPECT_TRUE(diagnostics.ok()) << diagnostics.render();
+    SignalStore const store{{"a.b", {"", {0, 1'000'000'000, 2'000'000'000, 4'000'000'000}, {1, 3, 2, 2}}}};
+    auto out = judge(list.at(0), store, {}, 10);
+    mind_the_end(list.at(0), {}, 4, 10, out);
+    return out;
+}
+
+TEST(RecordingLoss, OfACutRecordingWhatMayStillChangeCannotBeJudged) {
+    for (char const* settings :
+         {"{always: a.b > 0}", "{never: a.b > 9}", "{eventually: a.b > 9}", "{time_of: a.b == 9, below: 20}",
+          "{min_of: a.b, above: 0}", "{max_of: a.b, below: 9}", "{mean_of: a.b, above: 0}", "{last_of: a.b, above: 0}",
+          "{count_of: a.b > 2, below: 9}", "{always: a.b > 0, until: 4.1 s}", "{eventually: a.b > 9, within_s: 4.1}"}) {
+        auto const sut = judged_when_cut(settings);
+        EXPECT_EQ(sut.status, Status::failed) << settings;
+        EXPECT_THAT(sut.detail, HasSubstr("cannot be judged: the recording is whole until 4 s, and 10 s")) << settings;
+        EXPECT_EQ(sut.value, std::nullopt) << settings;
+    }
+}
+
+TEST(RecordingLoss, OfACutRecordingWhatIsDecidedIsJudgedAsEver) {
+    for (auto const& [settings, status] :
+         std::initializer_list<std::pair<char const*, Status>>{{"{always: a.b > 0, until: 4 s}", Status::passed},
+                                                               {"{always: a.b > 2}", Status::failed},
+                                                               {"{never: a.b > 2}", Status::failed},
+                                                               {"{eventually: a.b > 2}", Status::passed},
+                                                               {"{eventually: a.b > 9, within_s: 3}", Status::failed},
+                                                               {"{time_of: a.b == 3, below: 2}", Status::passed},
+                                                               {"{time_of: a.b == 3, above: 2}", Status::failed},
+                                                               {"{time_of: a.b == 3, show_only: true}", Status::shown},
+                                                               {"{max_of: a.b, above: 2}", Status::passed},
+                                                               {"{max_of: a.b, below: 2}", Status::failed},
+                                                               {"{min_of: a.b, below: 2}", Status::passed},
+                                                               {"{min_of: a.b, above: 2}", Status::failed}}) {
+        auto const sut = judged_when_cut(settings);
+        EXPECT_EQ(sut.status, status) << settings << sut.detail;
+        EXPECT_THAT(sut.detail, testing::Not(HasSubstr("cannot be judged"))) << settings;
+    }
+}
+
 TEST(RecordingLoss, WhatIsFulfilledAndWhatIsWholeIsJudgedAsEver) {
     EXPECT_EQ(judged("{eventually: breaker.CB3.position == 2}", loss(kOnTheWay)).status, Status::passed);
     EXPECT_EQ(judged("{eventually: relay.relay2.trip == 1}", loss(kOnTheWay)).detail, "never true in that time");
