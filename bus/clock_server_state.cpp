@@ -114,7 +114,6 @@ void ClockServer::State::hold(std::string const& process) {
 }
 
 void ClockServer::State::find_places() {
-    on_board.clear();
     for (MemberPlan const& member : plan) {
         OnBoard on{core.board->place_of(member.name), barrier.member_index(member.name), {}};
         for (std::string const& up : member.upstream) {

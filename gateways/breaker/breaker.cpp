@@ -11,7 +11,6 @@
 
 #include <array>
 #include <fmt/format.h>
-#include <limits>
 
 namespace gridspace::gateways {
 namespace {
@@ -103,9 +102,8 @@ class BreakerGuest final : public GatewayGuest {
 
   private:
     void heard_message(Moment at, iec61850::GooseFrame const& message) {
-        double const after_ms = clock_->simulated()             ? static_cast<double>(at.ns) / 1e6
-                                : clock_->known_start_unix_ns() ? clock_->age_ms(at.kernel_ns, 0, 1)
-                                                                : std::numeric_limits<double>::quiet_NaN();
+        double const after_ms =
+            clock_->simulated() ? static_cast<double>(at.ns) / 1e6 : clock_->age_ms(at.kernel_ns, 0, 1);
         std::array<double, 3> const row{static_cast<double>(message.st_num), static_cast<double>(message.sq_num),
                                         after_ms};
         messages_->row(at.time, row);
@@ -140,7 +138,7 @@ class BreakerGuest final : public GatewayGuest {
         SimTime const effect = at.time + node_->time_base().ceil(config_.latency_us / Rational{1'000'000});
         effect_ms_ = node_->time_base().seconds(effect) * 1e3;
         commanded_after_ms_ =
-            clock_->simulated() ? node_->time_base().seconds(at.time) * 1e3 : clock_->since_start_ms(0);
+            clock_->simulated() ? node_->time_base().seconds(at.time) * 1e3 : clock_->age_ms(clock_->utc_ns(0), 0, 1);
         publish(at.time);
         if (!first || open) {
             run_.status.event(node_->time_base().seconds(at.time), node_->config().process, "command",

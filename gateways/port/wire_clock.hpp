@@ -90,16 +90,16 @@ class WireClock {
         std::int64_t const ns = of(SimTime{} + span);
         return simulated() ? ns : std::llround(static_cast<double>(ns) / speed);
     }
-    /// Milliseconds since simulated time 0, on the clock that frames live in; in real time nan before it is known.
+    /// Milliseconds since simulated time 0, on the clock that frames live in.
     [[nodiscard]] double since_start_ms(std::int64_t ns) const {
-        if (simulated()) {
-            return static_cast<double>(ns) / 1e6;
-        }
-        return known_start_unix_ns() ? age_ms(utc_ns(0), 0, 1) : std::numeric_limits<double>::quiet_NaN();
+        return simulated() ? static_cast<double>(ns) / 1e6 : age_ms(utc_ns(0), 0, 1);
     }
-    /// Milliseconds from the instant at which simulated time was `time_s` (at this speed) to `unix_ns`. Real time.
+    /// Milliseconds from the instant at which simulated time was `time_s` (at this speed) to `unix_ns`. Real time; nan
+    /// before it is known when the run began.
     [[nodiscard]] double age_ms(std::int64_t unix_ns, double time_s, double speed) const {
-        return static_cast<double>(unix_ns - node_.start_unix_ns()) / 1e6 - time_s * 1e3 / speed;
+        auto const start_ns = known_start_unix_ns();
+        return start_ns ? static_cast<double>(unix_ns - *start_ns) / 1e6 - time_s * 1e3 / speed
+                        : std::numeric_limits<double>::quiet_NaN();
     }
     [[nodiscard]] static std::chrono::steady_clock::time_point wall(std::int64_t ns) {
         return std::chrono::steady_clock::time_point{std::chrono::nanoseconds{ns}};

@@ -54,7 +54,7 @@ int stay_on_one() {
 }
 
 /// What the way asks for; why it cannot be had, or empty.
-std::string prepare(Waiting waiting, Shared& shared, UniqueFd& awake) {
+std::string prepare(Waiting waiting, Shared& shared) {
     if (waiting >= Waiting::fifo && !schedule_fifo(kPriority)) {
         return "SCHED_FIFO is not permitted: `rtprio` in /etc/security/limits.conf";
     }
@@ -74,7 +74,7 @@ std::string prepare(Waiting waiting, Shared& shared, UniqueFd& awake) {
         if (!kept) {
             return kept.error().message;
         }
-        awake = std::move(*kept);
+        (void)kept->release(); // open until the measuring process ends
     }
     return {};
 }
@@ -123,8 +123,7 @@ Result<WakeupLatency> measure_wakeups(Waiting waiting, std::chrono::nanoseconds 
     shared.late_us = reinterpret_cast<double*>(&shared + 1);
     pid_t const child = ::fork();
     if (child == 0) {
-        UniqueFd awake;
-        std::string const why = prepare(waiting, shared, awake);
+        std::string const why = prepare(waiting, shared);
         std::strncpy(shared.refused, why.c_str(), sizeof shared.refused - 1);
         if (why.empty()) {
             measure(waiting, period.count(), {shared.late_us, count});

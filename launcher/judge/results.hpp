@@ -46,7 +46,7 @@ struct Results {
     std::vector<ProcessRow> processes;
     std::string recording_note;     ///< when the recording is not complete
     std::optional<double> cut_at_s; ///< the newest that is in a recording which was cut
-    bool unjudged{false};           ///< the expectations cannot be read
+    bool unjudged{false};           ///< the expectations cannot be read; the last note says why
     SignalStore signals;            ///< all that were recorded, and what follows from them
     /// Of these only the last value is in `signals`: an hour of all does not fit into memory (run_signals.hpp).
     std::set<std::string> last_values;

@@ -79,6 +79,9 @@ std::string verdict(Results const& r) {
     if (r.outcome.exit_code != 0) {
         return "✗ " + r.outcome.cause;
     }
+    if (r.unjudged) {
+        return "✗ " + r.notes.back();
+    }
     if (!binding.empty()) {
         return fmt::format("✗ {} of {} expectations failed: {}", binding.size(), r.expectations.size(),
                            join(binding, ", "));

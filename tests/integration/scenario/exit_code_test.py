@@ -67,6 +67,7 @@ class ExitCodes(ScenarioTest):
         code, out, err = gridspace("report", run.folder)
         self.assertEqual(code, USAGE, out + err)
         self.assertIn("cannot be judged", out + err)
+        self.assertIn("✗ the expectations cannot be judged", (run.folder / "report/index.html").read_text())
 
     def test_2_for_a_mistake_on_the_command_line(self):
         for arguments in (["run"], ["run", "--nonsense", CASE_1], ["nonsense"], [], ["run", CASE_1, "--speed", "fast"],
